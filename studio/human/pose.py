@@ -1,0 +1,45 @@
+"""One person at one instant (HumanPose) and over time (HumanClip), on the canonical skeleton."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.human.skeleton import NUM_JOINTS
+
+
+@dataclass(frozen=True, kw_only=True)
+class HumanPose:
+    """A person at time `t`, as a source saw them: nothing scaled, turned or filtered yet.
+
+    t: seconds into the source.
+    joint_pos_w: (19, 3) m, in the source's world turned to z up, x forward, y left.
+    confidence: (19,) in [0, 1]; 0 means not seen, and the position is then a guess or NaN-free
+        placeholder that must not be used.
+    """
+
+    t: float
+    joint_pos_w: NDArray[np.float64]
+    confidence: NDArray[np.float64]
+
+    def __post_init__(self) -> None:
+        assert self.joint_pos_w.shape == (NUM_JOINTS, 3), self.joint_pos_w.shape
+        assert self.confidence.shape == (NUM_JOINTS,), self.confidence.shape
+
+
+@dataclass(frozen=True, kw_only=True)
+class HumanClip:
+    """A recorded motion: t (T,) s ascending, joint_pos_w (T, 19, 3) m, confidence (T, 19)."""
+
+    name: str
+    t: NDArray[np.float64]
+    joint_pos_w: NDArray[np.float64]
+    confidence: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+    def __getitem__(self, i: int) -> HumanPose:
+        return HumanPose(
+            t=float(self.t[i]), joint_pos_w=self.joint_pos_w[i], confidence=self.confidence[i]
+        )

@@ -1,0 +1,1 @@
+"""Reference to action: controllers, policies, the environment they learn in."""

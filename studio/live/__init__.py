@@ -1,0 +1,1 @@
+"""The flow in real time."""

@@ -1,0 +1,1 @@
+"""What the robot should do: intents, reference motions, gaits, contacts, consistency."""

@@ -1,0 +1,1 @@
+"""Human pose to reference pose."""

@@ -1,0 +1,1 @@
+"""The simplest honest methods a mapper is compared with."""

@@ -1,0 +1,50 @@
+"""The Unitree A1 in numbers, declared once: names, order, limits, geometry, gains, stances.
+
+Sources: Unitree's URDF as shipped by the registry package `example-robot-data`
+(robots/a1_description/urdf/a1.urdf); tests compare every figure with the compiled model.
+Angles in rad, lengths in m, masses in kg, torque in N m, speed in rad/s.
+"""
+
+import numpy as np
+
+LEGS: tuple[str, ...] = ("FR", "FL", "RR", "RL")
+LEG_JOINTS: tuple[str, ...] = ("hip", "thigh", "calf")
+JOINTS: tuple[str, ...] = tuple(f"{leg}_{joint}" for leg in LEGS for joint in LEG_JOINTS)
+NUM_JOINTS = 12
+
+CONTROL_HZ = 30.0
+CONTROL_DT = 1.0 / CONTROL_HZ
+"""One control period, s (the paper: 30 Hz)."""
+
+HIP_OFFSET = np.array(
+    [[0.1805, -0.047, 0.0], [0.1805, 0.047, 0.0], [-0.1805, -0.047, 0.0], [-0.1805, 0.047, 0.0]]
+)
+"""(4, 3) hip joint of each leg in the trunk frame."""
+SIDE = np.array([-1.0, 1.0, -1.0, 1.0])
+"""(4,) sign of y: right legs -1, left legs +1."""
+THIGH_OFFSET = 0.0838
+"""From hip axis to leg plane along the hip's y, times SIDE."""
+THIGH_LENGTH = 0.2
+CALF_LENGTH = 0.2
+FOOT_RADIUS = 0.02
+
+TOTAL_MASS = 13.74
+JOINT_LOWER = np.tile([-0.8028514559173915, -1.0471975511965976, -2.6965336943312392], 4)
+JOINT_UPPER = np.tile([0.8028514559173915, 4.1887902047863905, -0.9162978572970231], 4)
+TORQUE_LIMIT = np.full(12, 33.5)
+SPEED_LIMIT = np.full(12, 21.0)
+
+KP = 80.0
+KD = 2.0
+"""PD gains, N m/rad and N m s/rad, with ARMATURE: a good start for imitation (paper-notes)."""
+ARMATURE = 0.01
+
+STAND_HEIGHT = 0.27
+"""Height of the trunk's origin above the floor in neutral standing."""
+STAND_JOINT_POS = np.tile([0.0, 0.895665, -1.791330], 4)
+"""Neutral stand: each foot straight under its thigh joint, sole on the floor:
+0.4 * cos(0.895665) = 0.25 = STAND_HEIGHT - FOOT_RADIUS."""
+
+# A1 sits on rear feet and calves with the trunk pitched up; statically stable (paper-notes).
+SIT_JOINT_POS = np.array([0.0, -0.94, -1.45, 0.0, -0.94, -1.45, 0.0, 1.23, -1.53, 0.0, 1.23, -1.53])
+"""Neutral sit, joint angles only: the base pose follows from the rear legs on the floor."""

@@ -1,0 +1,61 @@
+"""The robot at one instant: where it is (RobotPose) and all that is known of it (RobotState)."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotPose:
+    """Configuration of the A1 in the world.
+
+    base_pos: (3,) m, trunk origin, world. base_quat: (4,) wxyz, T_world_base.
+    joint_pos: (12,) rad, order of a1.JOINTS. foot_contact: (4,) in [0, 1], order of a1.LEGS:
+    probability (reference) or 0/1 (measured).
+    """
+
+    base_pos: Array
+    base_quat: Array
+    joint_pos: Array
+    foot_contact: Array
+
+    def __post_init__(self) -> None:
+        assert self.base_pos.shape == (3,)
+        assert self.base_quat.shape == (4,)
+        assert self.joint_pos.shape == (12,)
+        assert self.foot_contact.shape == (4,)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReferencePose(RobotPose):
+    """A pose to be tracked, with its velocities.
+
+    base_lin_vel_w: (3,) m/s, world. base_ang_vel_b: (3,) rad/s, body. joint_vel: (12,) rad/s.
+    """
+
+    base_lin_vel_w: Array = field(default_factory=lambda: np.zeros(3))
+    base_ang_vel_b: Array = field(default_factory=lambda: np.zeros(3))
+    joint_vel: Array = field(default_factory=lambda: np.zeros(12))
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotState(RobotPose):
+    """A pose as simulated or measured, with what the simulator knows of it.
+
+    base_lin_vel_w: (3,) m/s, world. base_ang_vel_b: (3,) rad/s, body. joint_vel: (12,) rad/s.
+    foot_pos_w: (4, 3) m, centre of each foot sphere. torque: (12,) N m, largest magnitude (signed)
+    over the control period. trunk_contact: the trunk touches something. self_collision: two links
+    of the robot touch. t: s since reset.
+    """
+
+    t: float
+    base_lin_vel_w: Array
+    base_ang_vel_b: Array
+    joint_vel: Array
+    foot_pos_w: Array
+    torque: Array
+    trunk_contact: bool = False
+    self_collision: bool = False

@@ -1,0 +1,1 @@
+"""What the operator tries: props, a goal, success(state)."""

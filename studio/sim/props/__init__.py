@@ -1,0 +1,1 @@
+"""Things the robot meets: ball, box, target, slope."""

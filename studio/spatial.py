@@ -1,0 +1,217 @@
+"""Rotations and transforms: wxyz quaternions, T_a_b with p_a = T_a_b @ p_b, heading frames.
+
+All functions take and return float64 arrays with leading batch axes. Frames are right-handed,
+z up, x forward, y left. Roll, pitch and yaw are intrinsic z-y'-x'' angles, R = Rz Ry Rx.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+IDENTITY_QUAT: Array = np.array([1.0, 0.0, 0.0, 0.0])
+
+
+def normalize(v: ArrayLike, eps: float = 1e-12) -> Array:
+    """Unit vectors of (..., n); a vector shorter than `eps` is divided by `eps`."""
+    v = np.asarray(v, dtype=np.float64)
+    return v / np.maximum(np.linalg.norm(v, axis=-1, keepdims=True), eps)
+
+
+def quat_mul(a: ArrayLike, b: ArrayLike) -> Array:
+    """Hamilton product of wxyz quaternions (..., 4)."""
+    a, b = np.asarray(a, dtype=np.float64), np.asarray(b, dtype=np.float64)
+    aw, ax, ay, az = np.moveaxis(a, -1, 0)
+    bw, bx, by, bz = np.moveaxis(b, -1, 0)
+    return np.stack(
+        [
+            aw * bw - ax * bx - ay * by - az * bz,
+            aw * bx + ax * bw + ay * bz - az * by,
+            aw * by - ax * bz + ay * bw + az * bx,
+            aw * bz + ax * by - ay * bx + az * bw,
+        ],
+        axis=-1,
+    )
+
+
+def quat_conj(q: ArrayLike) -> Array:
+    """Conjugate (inverse, for unit quaternions) of (..., 4)."""
+    return np.asarray(q, dtype=np.float64) * np.array([1.0, -1.0, -1.0, -1.0])
+
+
+def quat_positive(q: ArrayLike) -> Array:
+    """The representative with w >= 0 of (..., 4)."""
+    q = np.asarray(q, dtype=np.float64)
+    return np.where(q[..., :1] < 0.0, -q, q)
+
+
+def quat_rotate(q: ArrayLike, v: ArrayLike) -> Array:
+    """Rotate vectors (..., 3) by unit quaternions (..., 4): p_a = R_a_b p_b."""
+    q, v = np.asarray(q, dtype=np.float64), np.asarray(v, dtype=np.float64)
+    w, u = q[..., :1], q[..., 1:]
+    t = 2.0 * np.cross(u, v)
+    return v + w * t + np.cross(u, t)
+
+
+def quat_rotate_inverse(q: ArrayLike, v: ArrayLike) -> Array:
+    """Rotate vectors (..., 3) by the inverse of unit quaternions (..., 4)."""
+    return quat_rotate(quat_conj(q), v)
+
+
+def quat_from_axis_angle(axis: ArrayLike, angle: ArrayLike) -> Array:
+    """Quaternions (..., 4) turning by `angle` (...) rad about unit `axis` (..., 3)."""
+    half = 0.5 * np.asarray(angle, dtype=np.float64)[..., None]
+    return np.concatenate([np.cos(half), np.sin(half) * np.asarray(axis)], axis=-1)
+
+
+def quat_from_rotvec(r: ArrayLike) -> Array:
+    """Exponential map: rotation vectors (..., 3) rad to quaternions (..., 4)."""
+    r = np.asarray(r, dtype=np.float64)
+    angle = np.linalg.norm(r, axis=-1, keepdims=True)
+    half = 0.5 * angle
+    # sinc keeps the direction exact down to zero angle
+    return np.concatenate([np.cos(half), 0.5 * np.sinc(half / np.pi) * r], axis=-1)
+
+
+def quat_to_rotvec(q: ArrayLike) -> Array:
+    """Logarithm map: unit quaternions (..., 4) to rotation vectors (..., 3), angle in [0, pi]."""
+    q = quat_positive(q)
+    s = np.linalg.norm(q[..., 1:], axis=-1, keepdims=True)
+    angle = 2.0 * np.arctan2(s, q[..., :1])
+    scale = np.where(s > 1e-12, angle / np.maximum(s, 1e-12), 2.0)
+    return scale * q[..., 1:]
+
+
+def quat_from_rpy(rpy: ArrayLike) -> Array:
+    """Quaternions (..., 4) of roll, pitch, yaw (..., 3) rad, R = Rz(yaw) Ry(pitch) Rx(roll)."""
+    half = 0.5 * np.asarray(rpy, dtype=np.float64)
+    cr, cp, cy = np.moveaxis(np.cos(half), -1, 0)
+    sr, sp, sy = np.moveaxis(np.sin(half), -1, 0)
+    return np.stack(
+        [
+            cr * cp * cy + sr * sp * sy,
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+        ],
+        axis=-1,
+    )
+
+
+def quat_to_rpy(q: ArrayLike) -> Array:
+    """Roll, pitch, yaw (..., 3) rad of unit quaternions (..., 4); pitch in [-pi/2, pi/2]."""
+    w, x, y, z = np.moveaxis(np.asarray(q, dtype=np.float64), -1, 0)
+    roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
+    yaw = np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
+    return np.stack([roll, pitch, yaw], axis=-1)
+
+
+def quat_to_matrix(q: ArrayLike) -> Array:
+    """Rotation matrices (..., 3, 3) of unit quaternions (..., 4)."""
+    w, x, y, z = np.moveaxis(np.asarray(q, dtype=np.float64), -1, 0)
+    rows = [
+        [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+        [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+        [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+    ]
+    return np.stack([np.stack(r, axis=-1) for r in rows], axis=-2)
+
+
+def quat_from_matrix(m: ArrayLike) -> Array:
+    """Unit quaternions (..., 4), w >= 0, of rotation matrices (..., 3, 3) (Shepperd's method)."""
+    m = np.asarray(m, dtype=np.float64)
+    m00, m11, m22 = m[..., 0, 0], m[..., 1, 1], m[..., 2, 2]
+    # The four squared components times four; the largest is the safe divisor.
+    sq = np.stack(
+        [1 + m00 + m11 + m22, 1 + m00 - m11 - m22, 1 - m00 + m11 - m22, 1 - m00 - m11 + m22],
+        axis=-1,
+    )
+    d = np.stack(
+        [
+            m[..., 2, 1] - m[..., 1, 2],
+            m[..., 0, 2] - m[..., 2, 0],
+            m[..., 1, 0] - m[..., 0, 1],
+        ],
+        axis=-1,
+    )
+    s01, s02, s12 = (m[..., i, j] + m[..., j, i] for i, j in ((0, 1), (0, 2), (1, 2)))
+    candidates = np.stack(
+        [
+            np.stack([sq[..., 0], d[..., 0], d[..., 1], d[..., 2]], axis=-1),
+            np.stack([d[..., 0], sq[..., 1], s01, s02], axis=-1),
+            np.stack([d[..., 1], s01, sq[..., 2], s12], axis=-1),
+            np.stack([d[..., 2], s02, s12, sq[..., 3]], axis=-1),
+        ],
+        axis=-2,
+    )
+    best = np.argmax(sq, axis=-1)[..., None, None]
+    return quat_positive(normalize(np.take_along_axis(candidates, best, axis=-2)[..., 0, :]))
+
+
+def quat_angle(a: ArrayLike, b: ArrayLike) -> Array:
+    """Angle (...) rad in [0, pi] between unit quaternions, 2 acos|a . b|, exact near zero."""
+    return np.linalg.norm(quat_to_rotvec(quat_mul(quat_conj(a), b)), axis=-1)
+
+
+def quat_slerp(a: ArrayLike, b: ArrayLike, s: ArrayLike) -> Array:
+    """Great-circle blend from a (s=0) to b (s=1), the short way; s has the batch shape."""
+    delta = quat_to_rotvec(quat_mul(quat_conj(a), b))
+    return quat_mul(a, quat_from_rotvec(np.asarray(s, dtype=np.float64)[..., None] * delta))
+
+
+def quat_integrate(q: ArrayLike, ang_vel_b: ArrayLike, dt: float) -> Array:
+    """One step of constant body angular velocity (..., 3) rad/s over dt seconds."""
+    return normalize(quat_mul(q, quat_from_rotvec(np.asarray(ang_vel_b, dtype=np.float64) * dt)))
+
+
+def ang_vel_b(quat: ArrayLike, dt: float) -> Array:
+    """Body angular velocity (T, 3) rad/s by backward differences of quaternions (T, 4).
+
+    The first row repeats the second (zero for a single frame).
+    """
+    quat = np.asarray(quat, dtype=np.float64)
+    out = np.zeros(quat.shape[:-1] + (3,))
+    if len(quat) > 1:
+        out[1:] = quat_to_rotvec(quat_mul(quat_conj(quat[:-1]), quat[1:])) / dt
+        out[0] = out[1]
+    return out
+
+
+def heading(q: ArrayLike) -> Array:
+    """Yaw (...) rad of the body's x axis laid on the ground.
+
+    Near vertical (the trunk of a sitting robot pitched past 60 degrees is still fine) the
+    x axis loses its ground direction; there the twist about world z stands in for it.
+    """
+    q = np.asarray(q, dtype=np.float64)
+    x_w = quat_rotate(q, np.broadcast_to([1.0, 0.0, 0.0], q.shape[:-1] + (3,)))
+    flat = np.hypot(x_w[..., 0], x_w[..., 1])
+    twist = 2.0 * np.arctan2(q[..., 3], q[..., 0])
+    return np.where(flat > 0.05, np.arctan2(x_w[..., 1], x_w[..., 0]), wrap_angle(twist))
+
+
+def heading_quat(q: ArrayLike) -> Array:
+    """The heading frame of (..., 4): a rotation about world z only."""
+    half = 0.5 * heading(q)
+    zero = np.zeros_like(half)
+    return np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
+
+
+def tilt_quat(q: ArrayLike) -> Array:
+    """What is left of (..., 4) when its heading is taken away: q = heading_quat * tilt_quat."""
+    return quat_mul(quat_conj(heading_quat(q)), q)
+
+
+def wrap_angle(a: ArrayLike) -> Array:
+    """Angles wrapped to [-pi, pi)."""
+    return (np.asarray(a, dtype=np.float64) + np.pi) % (2.0 * np.pi) - np.pi
+
+
+def transform(pos: ArrayLike, quat: ArrayLike) -> Array:
+    """Homogeneous T_a_b (..., 4, 4) from the position and orientation of b in a."""
+    pos, quat = np.asarray(pos, dtype=np.float64), np.asarray(quat, dtype=np.float64)
+    out = np.zeros(quat.shape[:-1] + (4, 4))
+    out[..., :3, :3] = quat_to_matrix(quat)
+    out[..., :3, 3] = pos
+    out[..., 3, 3] = 1.0
+    return out

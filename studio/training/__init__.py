@@ -1,0 +1,1 @@
+"""Mappers and policies, each read top to bottom."""

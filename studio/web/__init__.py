@@ -1,0 +1,1 @@
+"""The page: gateway, viser scene, panels."""
