@@ -1,0 +1,85 @@
+"""Absolute deadlines at the control rate: late once does not mean late for ever."""
+
+import time
+from typing import Protocol
+
+from studio.robot.a1 import CONTROL_DT
+
+
+class Clock(Protocol):
+    """Where the loop gets its time from; tests give it one that they turn by hand."""
+
+    def now(self) -> float:
+        """Seconds, monotonic, arbitrary origin."""
+        ...
+
+    def sleep_until(self, t: float) -> None:
+        """Return at time `t` or soon after; at once when it has passed."""
+        ...
+
+
+class WallClock:
+    """The machine's monotonic clock."""
+
+    def now(self) -> float:
+        """Seconds since an arbitrary origin."""
+        return time.perf_counter()
+
+    def sleep_until(self, t: float) -> None:
+        """Sleep to `t`: coarsely first, then in small steps, as one long sleep wakes late."""
+        while True:
+            left = t - time.perf_counter()
+            if left <= 0.0:
+                return
+            time.sleep(left - 0.001 if left > 0.002 else min(left, 0.0002))
+
+
+class FakeClock:
+    """Time that passes only when told to: sleeping until `t` makes it `t`."""
+
+    def __init__(self, start: float = 0.0) -> None:
+        self.time = start
+
+    def now(self) -> float:
+        """The time set so far."""
+        return self.time
+
+    def sleep_until(self, t: float) -> None:
+        """Jump to `t`, never back."""
+        self.time = max(self.time, t)
+
+    def advance(self, seconds: float) -> None:
+        """Let time pass, as a slow computation would."""
+        self.time += seconds
+
+
+class Metronome:
+    """Deadlines start, start + dt, ...; more than `slack` periods behind, it starts anew.
+
+    Starting anew drops the missed periods: the robot must not rush to catch up.
+    """
+
+    def __init__(self, clock: Clock, dt: float = CONTROL_DT, slack: float = 3.0) -> None:
+        self._clock, self._dt, self._slack = clock, dt, slack
+        self.reset()
+
+    def reset(self) -> None:
+        """The next deadline is one period from now."""
+        self._deadline = self._clock.now()
+        self.late = 0
+        self.error = 0.0
+
+    def wait(self) -> float:
+        """Sleep to the next deadline; returns by how much it was missed, s.
+
+        Counts a period as late when its work ended after its deadline.
+        """
+        self._deadline += self._dt
+        behind = self._clock.now() - self._deadline
+        if behind > 0.0:
+            self.late += 1
+            if behind > self._slack * self._dt:
+                self._deadline = self._clock.now()
+        self._clock.sleep_until(self._deadline)
+        self.error = self._clock.now() - self._deadline
+        return self.error
