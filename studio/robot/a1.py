@@ -48,3 +48,36 @@ STAND_JOINT_POS = np.tile([0.0, 0.895665, -1.791330], 4)
 # A1 sits on rear feet and calves with the trunk pitched up; statically stable (paper-notes).
 SIT_JOINT_POS = np.array([0.0, -0.94, -1.45, 0.0, -0.94, -1.45, 0.0, 1.23, -1.53, 0.0, 1.23, -1.53])
 """Neutral sit, joint angles only: the base pose follows from the rear legs on the floor."""
+
+LINKS: tuple[str, ...] = ("trunk", *(f"{leg}_{part}" for leg in LEGS for part in LEG_JOINTS))
+"""The 13 moving links; each foot is part of its calf."""
+NUM_LINKS = len(LINKS)
+
+TRUNK_MASS, HIP_MASS, THIGH_MASS, CALF_MASS, FOOT_MASS = 6.001, 0.696, 1.013, 0.166, 0.06
+LINK_MASS = np.array([TRUNK_MASS, *([HIP_MASS, THIGH_MASS, CALF_MASS + FOOT_MASS] * 4)])
+"""(13,) order of LINKS: the trunk with its IMU, each calf with its foot."""
+
+_CALF_COM = np.array([0.006435, 0.0, -0.107388]) * CALF_MASS
+_CALF_COM = (_CALF_COM + np.array([0.0, 0.0, -CALF_LENGTH]) * FOOT_MASS) / (CALF_MASS + FOOT_MASS)
+LEG_COM = np.array(
+    [
+        [
+            [-0.003311 * np.sign(HIP_OFFSET[i, 0]), 0.000635 * SIDE[i], 3.1e-05],
+            [-0.003237, -0.022327 * SIDE[i], -0.027326],
+            _CALF_COM,
+        ]
+        for i in range(4)
+    ]
+)
+"""(4, 3, 3) centre of mass of hip, thigh and calf, each in its own link's frame."""
+TRUNK_COM = np.array([0.0, 0.0041, -0.0005]) * 6.0 / TRUNK_MASS
+
+# Collision capsules, close to the URDF's boxes and cylinders: radius of each, m. The trunk is two
+# capsules along x; the hip reaches along y to the thigh; the foot is a sphere at the calf's end.
+TRUNK_RADIUS = 0.057
+TRUNK_CAPSULE_Y = 0.04
+TRUNK_CAPSULE_X = 0.0765
+HIP_RADIUS = 0.041
+HIP_CAPSULE_LENGTH = 0.081
+THIGH_RADIUS = 0.017
+CALF_RADIUS = 0.01
