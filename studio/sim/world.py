@@ -1,0 +1,193 @@
+"""One simulated A1: joint targets at 30 Hz to the robot's state, through MuJoCo."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio import spatial
+from studio.errors import StudioError
+from studio.robot import a1, kinematics
+from studio.robot.pose import RobotPose, RobotState
+from studio.sim.spec import ModelConfig, Prop, build_model
+
+Array = NDArray[np.float64]
+
+_HOME = RobotPose(
+    base_pos=np.array([0.0, 0.0, a1.STAND_HEIGHT]),
+    base_quat=spatial.IDENTITY_QUAT,
+    joint_pos=a1.STAND_JOINT_POS,
+    foot_contact=np.ones(4),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WorldConfig:
+    """One robot's world.
+
+    model: how it is built. damping_kd: joint damping of the damping mode, N m s/rad (Unitree's
+    soft stop: no stiffness, only damping). speed_knee: share of the joint speed limit above which
+    the motors' torque falls, to nothing at the limit (back-EMF).
+    """
+
+    model: ModelConfig = field(default_factory=ModelConfig)
+    damping_kd: float = 4.0
+    speed_knee: float = 0.8
+
+
+class World:
+    """The world and its one robot; remembers, so it has `reset`. One thread at a time.
+
+    `model` and `data` are MuJoCo's own, for whoever adds props or draws; `state` is what was last
+    returned. `seed` feeds `rng`, for props that need chance; the physics has none.
+    """
+
+    def __init__(
+        self, config: WorldConfig = WorldConfig(), seed: int = 0, props: Sequence[Prop] = ()
+    ) -> None:
+        self.config = config
+        self.rng = np.random.default_rng(seed)
+        self.model = build_model(config.model, props)
+        self.data = mujoco.MjData(self.model)
+        periods = a1.CONTROL_DT / config.model.timestep
+        self.substeps = round(periods)
+        if abs(periods - self.substeps) > 1e-6 or self.substeps < 8:
+            raise StudioError(
+                f"timestep {config.model.timestep} does not fit: use 1/240 s or a whole fraction"
+                " of it"
+            )
+        self._classify_geoms()
+        self.damping = False
+        self.state = self.reset()
+
+    def _classify_geoms(self) -> None:
+        model = self.model
+        names = [model.geom(i).name for i in range(model.ngeom)]
+        body = [model.body(int(b)).name for b in model.geom_bodyid]
+        self._geom_foot = np.array(
+            [a1.LEGS.index(n[:2]) if n[2:] == "_foot" else -1 for n in names]
+        )
+        self._geom_robot = np.array([b in a1.LINKS for b in body])
+        self._geom_trunk = np.array([b == "trunk" for b in body])
+
+    def reset(self, pose: RobotPose | None = None) -> RobotState:
+        """The robot at rest in `pose` (neutral stand if None), lowest point on the floor, at t = 0.
+
+        x, y, orientation and joints are the pose's; joints are clipped to their limits. Props
+        return to their places. The damping mode is left.
+        """
+        pose = _HOME if pose is None else pose
+        values = np.concatenate([pose.base_pos, pose.base_quat, pose.joint_pos])
+        if not np.all(np.isfinite(values)) or np.linalg.norm(pose.base_quat) < 1e-6:
+            raise StudioError("the pose to reset to must be finite, with a unit quaternion")
+        mujoco.mj_resetData(self.model, self.data)
+        self.set_damping(False)
+        quat = spatial.normalize(pose.base_quat)
+        joint_pos = np.clip(pose.joint_pos, a1.JOINT_LOWER, a1.JOINT_UPPER)
+        base_pos = np.array([pose.base_pos[0], pose.base_pos[1], 0.0])
+        base_pos[2] = -lowest_point(base_pos, quat, joint_pos)
+        self.data.qpos[:3], self.data.qpos[3:7], self.data.qpos[7:19] = base_pos, quat, joint_pos
+        self.data.ctrl[:12] = joint_pos
+        mujoco.mj_forward(self.model, self.data)
+        self.state = self._read(np.zeros(12))
+        return self.state
+
+    def step(self, target: ArrayLike) -> RobotState:
+        """One control period (1/30 s) towards joint targets (12,) rad; the state at its end.
+
+        The PD law, the torque limit and the fall of torque near the speed limit hold at every
+        physics step. Targets beyond the joint limits are clipped. Raises StudioError, and changes
+        nothing, for targets that are not twelve finite numbers.
+        """
+        target = np.asarray(target, dtype=np.float64)
+        if target.shape != (12,) or not np.isfinite(target).all():
+            raise StudioError("a target must be 12 finite joint angles in rad (a1.JOINTS)")
+        target = np.minimum(np.maximum(target, a1.JOINT_LOWER), a1.JOINT_UPPER)
+        model, data = self.model, self.data
+        data.ctrl[:12] = target
+        speed, torque = data.qvel[6:18], data.actuator_force
+        peak, peak_size = np.zeros(12), np.zeros(12)
+        knee = self.config.speed_knee * a1.SPEED_LIMIT[0]
+        for _ in range(self.substeps):
+            if max(speed.max(), -speed.min()) > knee:
+                data.ctrl[:12] = self._within_motor_curve(target)
+            mujoco.mj_step(model, data)
+            size = np.abs(torque[:12])
+            larger = size > peak_size
+            peak[larger], peak_size[larger] = torque[:12][larger], size[larger]
+            data.ctrl[:12] = target
+        if not np.isfinite(data.qpos[:19]).all():
+            raise StudioError("the simulation diverged; reset the robot")
+        self.state = self._read(peak)
+        return self.state
+
+    def _within_motor_curve(self, target: Array) -> Array:
+        """Targets whose torque stays under the motor's torque-speed curve at the present speed.
+
+        Full torque up to the knee, then linearly down to none at the speed limit; braking torque
+        is never reduced. Inverts torque = kp (target - q) - kd qd.
+        """
+        if self.damping:
+            return target
+        q, qd = self.data.qpos[7:19], self.data.qvel[6:18]
+        kp, kd = self.config.model.kp, self.config.model.kd
+        top, knee = a1.SPEED_LIMIT, self.config.speed_knee * a1.SPEED_LIMIT
+        upper = a1.TORQUE_LIMIT * np.clip((top - qd) / (top - knee), 0.0, 1.0)
+        lower = -a1.TORQUE_LIMIT * np.clip((top + qd) / (top - knee), 0.0, 1.0)
+        torque = np.clip(kp * (target - q) - kd * qd, lower, upper)
+        return q + (torque + kd * qd) / kp
+
+    def push(self, delta_lin_vel_w: ArrayLike) -> None:
+        """Add (3,) m/s to the base's velocity, world frame: a kick."""
+        delta = np.asarray(delta_lin_vel_w, dtype=np.float64)
+        if delta.shape != (3,) or not np.isfinite(delta).all():
+            raise StudioError("a push is three finite numbers: the change of velocity in m/s")
+        self.data.qvel[:3] += delta
+
+    def set_damping(self, on: bool) -> None:
+        """Damping mode: no stiffness, only damping, whatever the targets; off restores the PD."""
+        self.damping = on
+        config = self.config.model
+        kp, kd = (0.0, self.config.damping_kd) if on else (config.kp, config.kd)
+        self.model.actuator_gainprm[:12, 0] = kp
+        self.model.actuator_biasprm[:12, 1] = -kp
+        self.model.actuator_biasprm[:12, 2] = -kd
+
+    def _read(self, torque: Array) -> RobotState:
+        data = self.data
+        contact = data.contact
+        foot, trunk, itself = np.zeros(4), False, False
+        if data.ncon:
+            pairs = contact.geom[contact.dist < 1e-3]
+            robot = self._geom_robot[pairs]
+            both = robot.all(axis=1)
+            itself = bool(both.any())
+            outside = pairs[robot.any(axis=1) & ~both].ravel()
+            touched = self._geom_foot[outside]
+            foot[touched[touched >= 0]] = 1.0
+            trunk = bool(self._geom_trunk[outside].any())
+        pos, quat = data.qpos[:3].copy(), spatial.normalize(data.qpos[3:7])
+        joint_pos = data.qpos[7:19].copy()
+        return RobotState(
+            base_pos=pos,
+            base_quat=-quat if quat[0] < 0.0 else quat,
+            joint_pos=joint_pos,
+            foot_contact=foot,
+            t=float(data.time),
+            base_lin_vel_w=data.qvel[:3].copy(),
+            base_ang_vel_b=data.qvel[3:6].copy(),
+            joint_vel=data.qvel[6:18].copy(),
+            foot_pos_w=kinematics.foot_pos_w(pos, quat, joint_pos),
+            torque=torque,
+            trunk_contact=trunk,
+            self_collision=itself,
+        )
+
+
+def lowest_point(base_pos: ArrayLike, base_quat: ArrayLike, joint_pos: ArrayLike) -> float:
+    """Height m, world, of the lowest point of the robot's capsules."""
+    start, end, radius = kinematics.link_capsules(joint_pos)
+    ends = kinematics.to_world(base_pos, base_quat, np.concatenate([start, end]))
+    return float(np.min(ends[:, 2] - np.tile(radius, 2)))
