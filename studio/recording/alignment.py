@@ -1,0 +1,150 @@
+"""A person who acted late to the lag that makes human and robot agree, and a time warp after it.
+
+The operator sees the robot move and follows, later by a reaction of 0 to 0.8 s. Both sides are
+reduced to the same channels (trunk tilt, height, hands and paws, which foot is up); the lag is
+where their normalised cross-correlation, summed over channels, peaks. Takes begin and end in quiet
+standing, so that the whole of the signal, not a period of it, decides: a gait that repeats every
+0.7 s would otherwise fit as well one stride later.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import spatial
+from studio.human.skeleton import INDEX
+from studio.robot import kinematics
+
+Array = NDArray[np.float64]
+
+CHANNELS: tuple[str, ...] = ("roll", "pitch", "yaw", "height", "right", "left", "step")
+_HUMAN_SCALE = np.array([0.15, 0.25, 0.2, 0.08, 0.25, 0.25, 0.12])
+_ROBOT_SCALE = np.array([0.15, 0.2, 0.15, 0.03, 0.08, 0.08, 0.6])
+"""What one unit of each channel is worth: a movement anyone would call a movement. Weighting by
+scale keeps a channel in which nothing happens from voting with its noise."""
+MIN_LAG_S, MAX_LAG_S = -0.2, 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Alignment:
+    """lag: s, the person is late by it (> 0). correlation: [-1, 1] at that lag.
+
+    certainty: [0, 1], how far the peak stands over the best rival more than 0.15 s away; 0 when
+    nothing moves.
+    """
+
+    lag: float
+    correlation: float
+    certainty: float
+
+
+def human_channels(joint_pos_w: Array) -> Array:
+    """(T, 19, 3) m in any heading to (T, 7): CHANNELS of the person."""
+    p = {name: joint_pos_w[:, i] for name, i in INDEX.items()}
+    up = np.array([0.0, 0.0, 1.0])
+    left = spatial.normalize((p["l_hip"] - p["r_hip"]) * [1.0, 1.0, 0.0])
+    forward = np.cross(left, up)
+    trunk = spatial.normalize(p["chest"] - p["pelvis"])
+    shoulders = spatial.normalize((p["l_shoulder"] - p["r_shoulder"]) * [1.0, 1.0, 0.0])
+    roll = -np.arcsin(np.clip(_dot(trunk, left), -1, 1))
+    pitch = np.arctan2(_dot(trunk, forward), trunk[:, 2])
+    yaw = np.arctan2(-_dot(shoulders, forward), _dot(shoulders, left))
+    soles = np.stack([p["l_ankle"][:, 2], p["r_ankle"][:, 2]], axis=-1)
+    height = p["pelvis"][:, 2] - soles.min(axis=-1)
+    right = p["r_wrist"][:, 2] - p["r_shoulder"][:, 2]
+    left_hand = p["l_wrist"][:, 2] - p["l_shoulder"][:, 2]
+    return np.stack([roll, pitch, yaw, height, right, left_hand, soles[:, 0] - soles[:, 1]], -1)
+
+
+def robot_channels(base_pos: Array, base_quat: Array, joint_pos: Array, contact: Array) -> Array:
+    """(T, 3), (T, 4), (T, 12), (T, 4) to (T, 7): CHANNELS of the robot.
+
+    A step is the diagonal that stands less the one that is in the air: the person's left foot
+    goes with the front left and rear right.
+    """
+    rpy = spatial.quat_to_rpy(base_quat)
+    foot = kinematics.foot_pos_w(base_pos, base_quat, joint_pos)
+    yaw = np.unwrap(spatial.heading(base_quat))
+    # A slow turn is a path, not a twist: take a straight line out.
+    yaw = yaw - np.linspace(yaw[0], yaw[-1], len(yaw))
+    step = 0.5 * (contact[:, 0] + contact[:, 3] - contact[:, 1] - contact[:, 2])
+    return np.stack(
+        [rpy[:, 0], rpy[:, 1], yaw, base_pos[:, 2], foot[:, 0, 2], foot[:, 1, 2], step], axis=-1
+    )
+
+
+def find_lag(human: Array, robot: Array, dt: float) -> Alignment:
+    """The lag of `human` behind `robot`, both (T, 7) channels on one clock of period dt s.
+
+    Maximises sum_c <h_c(t + lag), r_c(t)> / (|h| |r|) over lags of MIN_LAG_S to MAX_LAG_S and
+    refines the peak by a parabola.
+    """
+    n = min(len(human), len(robot))
+    h = (human[:n] - np.median(human[:n], axis=0)) / _HUMAN_SCALE
+    r = (robot[:n] - np.median(robot[:n], axis=0)) / _ROBOT_SCALE
+    lags = np.arange(round(MIN_LAG_S / dt), round(MAX_LAG_S / dt) + 1)
+    if n <= lags[-1] + 2 or np.linalg.norm(r) < 1e-9 or np.linalg.norm(h) < 1e-9:
+        return Alignment(lag=0.0, correlation=0.0, certainty=0.0)
+    score = np.array([_correlation(h, r, int(k)) for k in lags])
+    best = int(np.argmax(score))
+    rivals = score[np.abs(lags - lags[best]) * dt > 0.15]
+    certainty = (score[best] - rivals.max(initial=-1.0)) / max(score[best], 1e-9)
+    return Alignment(
+        lag=float((lags[best] + _parabola(score, best)) * dt),
+        correlation=float(score[best]),
+        certainty=float(np.clip(certainty * 4.0, 0.0, 1.0)),
+    )
+
+
+def _correlation(h: Array, r: Array, k: int) -> float:
+    """Correlation of h shifted earlier by k frames with r, over the frames both have."""
+    a, b = (h[k:], r[: len(r) - k]) if k >= 0 else (h[:k], r[-k:])
+    return float(np.sum(a * b) / max(np.linalg.norm(a) * np.linalg.norm(b), 1e-9))
+
+
+def _parabola(score: Array, i: int) -> float:
+    """Offset of the vertex through three neighbours, in samples; 0 at an end."""
+    if not 0 < i < len(score) - 1:
+        return 0.0
+    a, b, c = score[i - 1 : i + 2]
+    curvature = a - 2 * b + c
+    return float(np.clip(0.5 * (a - c) / curvature, -0.5, 0.5)) if curvature < -1e-12 else 0.0
+
+
+def time_warp(human: Array, robot: Array, dt: float, *, max_shift_s: float = 0.3) -> Array:
+    """Dynamic time warp after the lag is taken out: (T,) s to add to robot time to read the human.
+
+    human, robot: (T, 7) channels already aligned by `find_lag`. The path is monotone, stays within
+    max_shift_s of the diagonal (Sakoe-Chiba band) and pays for leaving it, so that a person in
+    time is left alone; it is smoothed over 0.5 s, since nobody's tempo jumps.
+    """
+    n = min(len(human), len(robot))
+    h = (human[:n] - np.median(human[:n], axis=0)) / _HUMAN_SCALE
+    r = (robot[:n] - np.median(robot[:n], axis=0)) / _ROBOT_SCALE
+    band = max(1, round(max_shift_s / dt))
+    shifts = np.arange(-band, band + 1)
+    index = np.clip(np.arange(n)[:, None] + shifts, 0, n - 1)
+    cost = np.linalg.norm(h[index] - r[:, None], axis=-1)  # (T, shifts)
+    # One step of robot time moves human time by 0, 1 or 2 frames: shift changes by -1, 0 or +1.
+    total, back = cost[0] + 0.2 * np.abs(shifts), np.zeros((n, len(shifts)), dtype=np.int8)
+    for i in range(1, n):
+        padded = np.pad(total, 1, constant_values=np.inf)
+        options = np.stack([padded[:-2] + 0.3, padded[1:-1], padded[2:] + 0.3])
+        choice = np.argmin(options, axis=0)
+        back[i] = choice - 1
+        total = cost[i] + options[choice, np.arange(len(shifts))]
+    path = np.empty(n, dtype=int)
+    path[-1] = int(np.argmin(total + 0.2 * np.abs(shifts)))
+    for i in range(n - 1, 0, -1):
+        path[i - 1] = path[i] + back[i, path[i]]
+    width = max(1, round(0.5 / dt))
+    smooth = np.convolve(
+        np.pad(shifts[path].astype(float), width, mode="edge"), np.ones(width) / width, "same"
+    )[width:-width]
+    # Smoothing must not make human time run backwards.
+    return np.maximum.accumulate(np.arange(n) + smooth) * dt - np.arange(n) * dt
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.einsum("...i,...i->...", a, b)

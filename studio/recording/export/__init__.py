@@ -1,0 +1,1 @@
+"""Takes to files other programs read: one file per format, one registry."""
