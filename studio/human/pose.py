@@ -43,3 +43,21 @@ class HumanClip:
         return HumanPose(
             t=float(self.t[i]), joint_pos_w=self.joint_pos_w[i], confidence=self.confidence[i]
         )
+
+    def at_rate(self, rate: float) -> "HumanClip":
+        """The clip as a loop at `rate` Hz sees it: at each period the newest frame so far.
+
+        Times are counted from the clip's start; the same rule, half a period of tolerance
+        included, as a source's `read`.
+        """
+        period = 1.0 / rate
+        seconds = float(self.t[-1] - self.t[0])
+        t = period * np.arange(int(seconds / period + 0.5) + 1)
+        newest = np.searchsorted(self.t - self.t[0], t + 0.5 * period - 1e-9) - 1
+        newest = np.maximum(newest, 0)
+        return HumanClip(
+            name=self.name,
+            t=t,
+            joint_pos_w=self.joint_pos_w[newest],
+            confidence=self.confidence[newest],
+        )

@@ -1,0 +1,265 @@
+"""Poses seen → who the person is: bone lengths, leg length and heading, only ever refined.
+
+Nothing waits for a calibration: it starts from the template and converges while the person
+moves. Neutral is the template; no first pose is ever taken for it.
+"""
+
+import math
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.human.pose import HumanPose
+from studio.human.skeleton import (
+    BONE_CHILD,
+    BONE_LENGTH,
+    BONE_PARENT,
+    BONES,
+    INDEX,
+    LEG_LENGTH,
+    MIRROR,
+)
+
+Array = NDArray[np.float64]
+
+SEEN = 0.3
+"""A joint below this confidence is not used; what it moves is held."""
+
+_L_HIP, _R_HIP = INDEX["l_hip"], INDEX["r_hip"]
+_L_SHOULDER, _R_SHOULDER = INDEX["l_shoulder"], INDEX["r_shoulder"]
+_L_ANKLE, _R_ANKLE = INDEX["l_ankle"], INDEX["r_ankle"]
+_L_TOE, _R_TOE = INDEX["l_toe"], INDEX["r_toe"]
+_PELVIS, _CHEST = INDEX["pelvis"], INDEX["chest"]
+_LEG_BONES = np.array([BONES.index(b) for b in ("l_knee", "l_ankle", "r_knee", "r_ankle")])
+_MIRROR_BONES = np.array(MIRROR[1:]) - 1
+
+# What holds the heading: τ of its drift (s), how quickly a new person is taken up, and the
+# turn of the whole body past which the heading follows at once (nobody twists that far).
+_START_TAU, _START_SECONDS = 0.25, 1.0
+_DRIFT_TAU, _QUIET_TAU, _TURNED_TAU = 20.0, 2.0, 0.7
+_TURNED = math.radians(70.0)
+_BUTTON_SECONDS = 0.5
+_QUIET_MEAN_TAU, _QUIET_DISTANCE = 0.5, 0.04
+
+
+@dataclass(frozen=True, kw_only=True)
+class Calibration:
+    """What is known of a person; frozen, and replaced as more is seen.
+
+    heading: rad, the way the person faces in the source's world (0 = +x, > 0 to the left).
+    bone_length: (18,) m, order of skeleton.BONES. seconds: how much was seen (0 = the template).
+    """
+
+    heading: float = 0.0
+    bone_length: Array = field(default_factory=BONE_LENGTH.copy)
+    seconds: float = 0.0
+
+    @property
+    def leg_length(self) -> float:
+        """Thigh plus shin, mean of both legs, m."""
+        return float(self.bone_length[_LEG_BONES].sum()) / 2.0
+
+    @property
+    def bone_scale(self) -> Array:
+        """(18,) measured over template bone length."""
+        return self.bone_length / BONE_LENGTH
+
+    @property
+    def scale(self) -> float:
+        """Size of the person over the template's, by the legs: for drawing, and for distances."""
+        return self.leg_length / LEG_LENGTH
+
+    def mirrored(self) -> "Calibration":
+        """The calibration of the mirror image (`canonical.mirror_pose`) of the same person."""
+        return replace(self, heading=-self.heading, bone_length=self.bone_length[_MIRROR_BONES])
+
+
+def body_heading(joint_pos_w: Array, confidence: Array) -> tuple[float, float]:
+    """Heading (rad) of the lower body and its weight (m; 0 when it cannot be told).
+
+    The line of the hips plus, so that noise on so short a line matters less, both feet and a
+    little of the shoulders. A twist of the trunk moves the shoulders most and the feet not at all.
+    """
+    # Plain floats: a handful of numbers is quicker so than as arrays.
+    p, c = joint_pos_w.tolist(), confidence.tolist()
+    fx = fy = 0.0
+    for left, right, share in ((_L_HIP, _R_HIP, 1.0), (_L_SHOULDER, _R_SHOULDER, 0.25)):
+        if c[left] >= SEEN and c[right] >= SEEN:
+            fx += share * (p[left][1] - p[right][1])
+            fy -= share * (p[left][0] - p[right][0])
+    for toe, ankle in ((_L_TOE, _L_ANKLE), (_R_TOE, _R_ANKLE)):
+        if c[toe] >= SEEN and c[ankle] >= SEEN:
+            fx += 0.5 * (p[toe][0] - p[ankle][0])
+            fy += 0.5 * (p[toe][1] - p[ankle][1])
+    return math.atan2(fy, fx), math.hypot(fx, fy)
+
+
+def bone_lengths(joint_pos_w: Array, confidence: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Lengths (..., 18) m of the bones of poses (..., 19, 3), and which were seen (..., 18)."""
+    bones = joint_pos_w[..., BONE_CHILD, :] - joint_pos_w[..., BONE_PARENT, :]
+    length = np.sqrt(np.einsum("...i,...i->...", bones, bones))
+    sure = np.minimum(confidence[..., BONE_CHILD], confidence[..., BONE_PARENT]) >= SEEN
+    return length, sure & (length > 1e-3)
+
+
+def calibrate(poses: Iterable[HumanPose]) -> Calibration:
+    """A calibration robust over all `poses` (a file scanned ahead, thinned or not).
+
+    Bone lengths are medians of what was seen; the heading is the circular median (the direction
+    with the least summed angle to all). No poses, or none that shows a body: the template.
+    """
+    kept = [pose for pose in poses if pose.confidence.max(initial=0.0) >= SEEN]
+    if not kept:
+        return Calibration()
+    lengths, seen = bone_lengths(
+        np.stack([pose.joint_pos_w for pose in kept]), np.stack([pose.confidence for pose in kept])
+    )
+    bone_length = BONE_LENGTH.copy()
+    for k in np.flatnonzero(seen.any(axis=0)):
+        bone_length[k] = np.median(lengths[seen[:, k], k])
+    told = [body_heading(pose.joint_pos_w, pose.confidence) for pose in kept]
+    angles = np.array([angle for angle, weight in told if weight > 0.05])
+    heading = _circular_median(angles) if len(angles) else 0.0
+    # At least a second: a scanned file is known from its first frame on.
+    seconds = max(kept[-1].t - kept[0].t, _START_SECONDS)
+    return Calibration(heading=heading, bone_length=bone_length, seconds=seconds)
+
+
+def _circular_median(angles: Array) -> float:
+    candidates = angles[:: max(len(angles) // 256, 1)]
+    apart = np.abs(np.angle(np.exp(1j * (candidates[:, None] - angles[None, :]))))
+    return float(candidates[np.argmin(apart.sum(axis=1))])
+
+
+class Calibrator:
+    """Refines a calibration pose by pose; one per person, called by the loop's thread only.
+
+    Every push is one control period `dt`. A template start converges within a second, as a glide;
+    a scanned start only drifts (τ 20 s, quicker in quiet upright standing, at once when the whole
+    body has turned further than anyone twists). Repeats of a pose are the caller's to leave out.
+    """
+
+    def __init__(self, start: Calibration | None = None, dt: float = 1.0 / 30.0) -> None:
+        self._start = start or Calibration()
+        self._dt = dt
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget what was seen since the start."""
+        self._heading = self._start.heading
+        self._bone_length = self._start.bone_length.copy()
+        self._seconds = self._start.seconds
+        self._recent: deque[float] = deque(maxlen=round(_BUTTON_SECONDS / self._dt))
+        self._glide_to: float | None = None
+        self._mean: Array | None = None
+
+    @property
+    def heading(self) -> float:
+        """rad, the heading now."""
+        return self._heading
+
+    @property
+    def bone_length(self) -> Array:
+        """(18,) m, the bone lengths now; not to be written to."""
+        return self._bone_length
+
+    @property
+    def calibration(self) -> Calibration:
+        """The calibration now, as a frozen value."""
+        return Calibration(
+            heading=self._heading, bone_length=self._bone_length.copy(), seconds=self._seconds
+        )
+
+    def neutral_now(self) -> None:
+        """The button: the way the person has faced for the last half second is straight ahead.
+
+        The heading glides there within half a second. A person not seen yet changes nothing.
+        """
+        if self._recent:
+            s = sum(math.sin(a) for a in self._recent)
+            c = sum(math.cos(a) for a in self._recent)
+            self._glide_to = math.atan2(s, c)
+
+    def push(
+        self, pose: HumanPose, length: Array | None = None, seen: NDArray[np.bool_] | None = None
+    ) -> None:
+        """Take in one pose; `length`, `seen`: its `bone_lengths`, where the caller has them."""
+        if length is None or seen is None:
+            length, seen = bone_lengths(pose.joint_pos_w, pose.confidence)
+        if not seen.any():
+            return
+        angle, weight = body_heading(pose.joint_pos_w, pose.confidence)
+        if weight > 0.05:
+            self._recent.append(angle)
+            self._turn(angle, pose)
+        # A step towards each new length, never further than 5 % of it: an outlier moves little.
+        start = self._seconds < _START_SECONDS
+        gain = self._dt / (_START_TAU if start else min(max(self._seconds, 1.0), _DRIFT_TAU))
+        cap = 0.05 * self._bone_length
+        error = length - self._bone_length
+        if not start:
+            error = np.minimum(np.maximum(error, -cap), cap)
+        self._bone_length = self._bone_length + gain * (seen * error)
+        self._seconds += self._dt
+
+    def _turn(self, angle: float, pose: HumanPose) -> None:
+        if self._glide_to is not None:
+            error = _wrapped(self._glide_to - self._heading)
+            self._heading = _wrapped(self._heading + error * self._dt / 0.12)
+            if abs(error) < 1e-3:
+                self._glide_to = None
+            return
+        error = _wrapped(angle - self._heading)
+        if self._seconds < _START_SECONDS:
+            tau = _START_TAU
+        elif abs(error) > _TURNED:
+            tau = _TURNED_TAU
+        elif self._is_quiet(pose):
+            tau = _QUIET_TAU
+        else:
+            tau = _DRIFT_TAU
+        self._heading = _wrapped(self._heading + error * self._dt / tau)
+
+    def _is_quiet(self, pose: HumanPose) -> bool:
+        """Standing upright for a while: every joint within some 4 cm of where it has been."""
+        if self._mean is None:
+            self._mean = pose.joint_pos_w
+            return False
+        # Against a slow mean, not the last frame: a sensor's jitter is no motion.
+        off = pose.joint_pos_w - self._mean
+        self._mean = self._mean + (self._dt / _QUIET_MEAN_TAU) * off
+        distance = np.sqrt(np.einsum("ji,ji->j", off, off))
+        moving = (distance > _QUIET_DISTANCE) & (pose.confidence >= SEEN)
+        return not moving.any() and is_upright(pose)
+
+
+def is_upright(pose: HumanPose) -> bool:
+    """Trunk within 12 degrees of vertical, both legs straight under it, shoulders square.
+
+    Straight: the hip is above the ankle by at least 95 % of the leg's length.
+    """
+    p = pose.joint_pos_w
+    if pose.confidence[[_L_HIP, _R_HIP, _L_SHOULDER, _R_SHOULDER]].min() < SEEN:
+        return False
+    trunk = p[_CHEST] - p[_PELVIS]
+    if trunk[2] < math.cos(math.radians(12.0)) * math.hypot(*trunk):
+        return False
+    length, seen = bone_lengths(p, pose.confidence)
+    for hip, ankle, (thigh, shin) in (
+        (_L_HIP, _L_ANKLE, _LEG_BONES[:2]),
+        (_R_HIP, _R_ANKLE, _LEG_BONES[2:]),
+    ):
+        if not (seen[thigh] and seen[shin]):
+            return False
+        if p[hip, 2] - p[ankle, 2] < 0.95 * (length[thigh] + length[shin]):
+            return False
+    hips, shoulders = p[_L_HIP] - p[_R_HIP], p[_L_SHOULDER] - p[_R_SHOULDER]
+    twist = math.atan2(hips[1], hips[0]) - math.atan2(shoulders[1], shoulders[0])
+    return abs(_wrapped(twist)) < math.radians(12.0)
+
+
+def _wrapped(angle: float) -> float:
+    return (angle + math.pi) % (2.0 * math.pi) - math.pi

@@ -1,0 +1,190 @@
+"""Human poses, one a control period → the causal triplet (q, q̇, q̈) that selector and mapper read.
+
+q is the person on the template's body in the heading frame (`canonical`): 18 joints relative to
+the pelvis (m), then the pelvis' height over the template's leg length. Filtered, then
+differentiated backwards over exactly three periods (Δt = 0.1 s, paper section "Motion mapping"),
+live and offline by the same `FeatureExtractor.push`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.human.calibration import Calibration, Calibrator
+from studio.human.canonical import (
+    FLIP_Y,
+    MIRROR_BONES,
+    bone_directions,
+    heading_axes,
+    pelvis_height,
+    rebuild,
+)
+from studio.human.filters import HoldThenEase, OneEuro
+from studio.human.pose import HumanClip, HumanPose
+from studio.human.skeleton import BONES, LEG_LENGTH, NEUTRAL_DIRECTION, NUM_BONES, NUM_JOINTS
+
+Array = NDArray[np.float64]
+
+RATE = 30.0
+"""Hz, the control loop's and therefore every feature's."""
+DELTA_FRAMES = 3
+"""Frames between the samples of a difference: 0.1 s at 30 Hz."""
+FEATURE_DIM = 3 * NUM_BONES + 1
+"""F: 18 joints × (x, y, z) and the height."""
+FEATURE_NAMES: tuple[str, ...] = (*(f"{j}.{a}" for j in BONES for a in "xyz"), "height")
+HEIGHT = FEATURE_DIM - 1
+"""Index of the pelvis' height in q (in leg lengths; 1.09 upright, about 0.5 in a deep squat)."""
+
+_DELTA_T = DELTA_FRAMES / RATE
+# A bone tracked at under .4 or over 1.7 times its known length is a glitch: held like one unseen.
+_GLITCH_SHORT, _GLITCH_LONG = 0.4, 1.7
+
+
+@dataclass(frozen=True, kw_only=True)
+class Features:
+    """The triplet of one control period: q (F,) m (height: leg lengths), qd (F,) /s, qdd (F,) /s².
+
+    unseen: s since the worst-seen of the hips and legs was seen, 0 when all are.
+    """
+
+    q: Array
+    qd: Array
+    qdd: Array
+    unseen: float = 0.0
+
+    @property
+    def joints(self) -> Array:
+        """(19, 3) m, the filtered person on the template's body, lower sole at z = 0."""
+        return joints_of(self.q)
+
+
+def joints_of(q: Array) -> Array:
+    """Joints (..., 19, 3) m, pelvis at x = y = 0 and the lower sole at z = 0, of q (..., F)."""
+    out = np.zeros(q.shape[:-1] + (NUM_JOINTS, 3))
+    out[..., 1:, :] = q[..., :HEIGHT].reshape(q.shape[:-1] + (NUM_BONES, 3))
+    out[..., 2] += q[..., HEIGHT, None] * LEG_LENGTH
+    return out
+
+
+def _vector(direction: Array) -> Array:
+    """(19, 3) of unit bone directions (18, 3): q as points; the height is the z of the last."""
+    joints = rebuild(direction)
+    points = np.empty((NUM_JOINTS, 3))
+    points[:-1] = joints[1:]
+    points[-1] = (0.0, 0.0, float(pelvis_height(joints)) / LEG_LENGTH)
+    return points
+
+
+NEUTRAL_Q: Array = np.delete(_vector(NEUTRAL_DIRECTION).ravel(), [FEATURE_DIM - 1, FEATURE_DIM])
+"""(F,) q of the template's neutral stand: what a lost person eases to."""
+
+
+class FeatureExtractor:
+    """Remembers the filter, the last seven q and what is held; called by one thread.
+
+    Every push is one control period of 1/30 s, fresh pose or not: None means that nobody was
+    seen at all (held for half a second, then eased to neutral). Where a frame is late, push the
+    last pose again.
+    """
+
+    def __init__(
+        self,
+        calibration: Calibration | None = None,
+        mirror: bool = False,
+        min_cutoff: float = 1.5,
+        beta: float = 0.5,
+    ) -> None:
+        self.mirror = mirror
+        self.calibrator = Calibrator(calibration, dt=1.0 / RATE)
+        self._hold = HoldThenEase(NEUTRAL_DIRECTION, dt=1.0 / RATE)
+        self._filter = OneEuro(min_cutoff, beta, dt=1.0 / RATE)
+        self.reset()
+
+    @property
+    def calibration(self) -> Calibration:
+        """The calibration as refined so far."""
+        return self.calibrator.calibration
+
+    def reset(self) -> None:
+        """Forget the person's motion and go back to the calibration given."""
+        self.calibrator.reset()
+        self._hold.reset()
+        self._filter.reset()
+        self._last: HumanPose | None = None
+        self._q: list[Array] = []
+
+    def push(self, pose: HumanPose | None) -> Features:
+        """The triplet after one more control period."""
+        if pose is None:
+            direction = self._hold.push(NEUTRAL_DIRECTION, np.zeros(NUM_BONES, dtype=bool))
+        else:
+            direction = self._directions(pose)
+        if self.mirror:
+            direction = direction[MIRROR_BONES] * FLIP_Y
+        q = self._filter.push(_vector(direction)).ravel()
+        q = np.append(q[:HEIGHT], q[-1])
+        return self._differences(q)
+
+    def _directions(self, pose: HumanPose) -> Array:
+        direction_w, length, seen = bone_directions(pose.joint_pos_w, pose.confidence)
+        if pose is not self._last:
+            self.calibrator.push(pose, length, seen)
+            self._last = pose
+        ratio = length / self.calibrator.bone_length
+        seen = seen & (ratio > _GLITCH_SHORT) & (ratio < _GLITCH_LONG)
+        return self._hold.push(direction_w @ heading_axes(self.calibrator.heading), seen)
+
+    def _differences(self, q: Array) -> Features:
+        if not self._q:
+            self._q = [q] * (2 * DELTA_FRAMES)
+        self._q.append(q)
+        before, middle = self._q[-1 - 2 * DELTA_FRAMES], self._q[-1 - DELTA_FRAMES]
+        del self._q[0]
+        qd = (q - middle) / _DELTA_T
+        qdd = (q - 2.0 * middle + before) / _DELTA_T**2
+        return Features(q=q, qd=qd, qdd=qdd, unseen=float(self._hold.age[_LEGS].max()))
+
+
+_LEGS = np.array([BONES.index(f"{s}_{b}") for s in "lr" for b in ("hip", "knee", "ankle")])
+
+
+def clip_features(
+    clip: HumanClip, calibration: Calibration | None = None, mirror: bool = False
+) -> tuple[Array, Array, Array]:
+    """q, q̇, q̈, each (T, F), of a clip of 30 frames a second, pushed one by one as live.
+
+    Raises ValueError for a clip of another rate: `clip.at_rate(30)` makes one as a live loop
+    would see it.
+    """
+    if len(clip) > 1 and abs(float(np.median(np.diff(clip.t))) * RATE - 1.0) > 0.05:
+        raise ValueError(f"clip {clip.name!r} is not at 30 frames a second: use clip.at_rate(30)")
+    extractor = FeatureExtractor(calibration, mirror)
+    frames = [extractor.push(clip[i]) for i in range(len(clip))]
+    return (
+        np.array([f.q for f in frames]).reshape(-1, FEATURE_DIM),
+        np.array([f.qd for f in frames]).reshape(-1, FEATURE_DIM),
+        np.array([f.qdd for f in frames]).reshape(-1, FEATURE_DIM),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Normalizer:
+    """z-scores: mean and std (D,); a constant column counts with std 1 so that it stays 0."""
+
+    mean: Array
+    std: Array
+
+    @classmethod
+    def fit(cls, x: Array) -> "Normalizer":
+        """Of samples (N, D)."""
+        std = x.std(axis=0)
+        return cls(mean=x.mean(axis=0), std=np.where(std > 1e-6, std, 1.0))
+
+    def __call__(self, x: Array) -> Array:
+        """(..., D) to z-scores."""
+        return (x - self.mean) / self.std
+
+    def invert(self, z: Array) -> Array:
+        """(..., D) back."""
+        return z * self.std + self.mean
