@@ -1,0 +1,185 @@
+"""Contact and temporal consistency: feet that stand stay put, joints keep to a speed limit.
+
+The paper pins a foot to its previous position where its contact probability exceeds 0.5; pinned
+anew each frame it drifts. Here a foot locks to one anchor for as long as it stands, and the root
+is carried by the feet that stand.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import spatial
+from studio.reference.motion import ReferenceMotion
+from studio.robot import a1, kinematics
+
+Array = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactConfig:
+    """How feet lock.
+
+    on, off: hysteresis on the contact probability. release: s over which a foot that lets go
+    returns to where it was asked to be, and a landed foot settles on the floor. pull: share per
+    frame by which the root closes in on where the standing feet say it is; the rest of its motion
+    is their mean displacement, so that it never jumps when the set of standing feet changes.
+    slip: m; a locked foot that cannot be held closer than this is locked anew where it is.
+    """
+
+    on: float = 0.5
+    off: float = 0.4
+    release: float = 0.1
+    pull: float = 0.25
+    slip: float = 0.015
+
+
+class ContactLock:
+    """Turns joint angles, trunk orientation and contact probabilities into a planted motion.
+
+    Remembers anchors and the root; `reset` forgets. One thread at a time may call it.
+    """
+
+    def __init__(self, config: ContactConfig | None = None) -> None:
+        self.config = config or ContactConfig()
+        self.slips = 0
+        self.reset(np.array([0.0, 0.0, a1.STAND_HEIGHT]))
+
+    def reset(self, base_pos: Array) -> None:
+        """Forget every anchor; the root stands at base_pos (3,) m, world."""
+        self.base_pos = np.array(base_pos, dtype=np.float64)
+        self.locked: Bools = np.zeros(4, dtype=bool)
+        self.anchor_w = np.zeros((4, 3))
+        self._offset = np.zeros((4, 3))  # from where a foot was asked to be to where it was, world
+        self._since = np.full(4, np.inf)  # s since each foot locked or let go
+        self._arm_w: Array | None = None  # feet relative to the base, world axes, as asked last
+
+    def step(
+        self,
+        joint_pos: Array,
+        base_quat: Array,
+        contact_prob: Array,
+        dt: float,
+        drift_vel_w: Array | None = None,
+    ) -> Array:
+        """The joint angles (12,) that keep locked feet on their anchors; moves `base_pos`.
+
+        joint_pos (12,) rad and base_quat (4,) wxyz (world) as asked; contact_prob (4,). With no
+        foot standing the root moves by drift_vel_w (3,) m/s and rests on its lowest foot.
+        """
+        cfg = self.config
+        arm = spatial.quat_rotate(base_quat, kinematics.foot_pos_b(joint_pos))
+        want = contact_prob > np.where(self.locked, cfg.off, cfg.on)
+        stance = self.locked & want
+        let_go = self.locked & ~want
+        self._carry_root(arm, stance, dt, drift_vel_w)
+
+        asked = self.base_pos + arm
+        landed = want & ~self.locked
+        self._since = np.where(let_go | landed, 0.0, self._since + dt)
+        fade = np.clip(1.0 - self._since / cfg.release, 0.0, 1.0)
+        self._offset[let_go] = self.anchor_w[let_go] - asked[let_go]
+        swing = asked + fade[:, None] * self._offset
+        swing[:, 2] = np.maximum(swing[:, 2], a1.FOOT_RADIUS)
+
+        # A foot that locks above the floor settles on it, rather than dropping in one frame.
+        self.anchor_w[landed] = swing[landed]
+        self._offset[landed] = swing[landed] - [0.0, 0.0, a1.FOOT_RADIUS]
+        self.anchor_w[want, 2] = a1.FOOT_RADIUS + (fade * self._offset[:, 2])[want]
+        foot_w = np.where(want[:, None], self.anchor_w, swing)
+        self.locked, self._arm_w = want, arm
+        return self._reach(foot_w, base_quat)
+
+    def recheck(self, joint_pos: Array, base_quat: Array) -> bool:
+        """After the joints were clipped to (12,): carry the root again; did a locked foot slip?
+
+        A foot that cannot stay on its anchor is locked anew where it is, and counted in `slips`.
+        """
+        if not self.locked.any():
+            return False
+        arm = spatial.quat_rotate(base_quat, kinematics.foot_pos_b(joint_pos))
+        self.base_pos = (self.anchor_w - arm)[self.locked].mean(axis=0)
+        return self._settle_slips(self.base_pos + arm)
+
+    def _carry_root(self, arm: Array, stance: Bools, dt: float, drift: Array | None) -> None:
+        if not stance.any():
+            if drift is not None:
+                self.base_pos[:2] += drift[:2] * dt
+            target_z = a1.FOOT_RADIUS - arm[:, 2].min()
+            self.base_pos[2] += (target_z - self.base_pos[2]) * self.config.pull
+            return
+        if self._arm_w is not None:
+            self.base_pos = self.base_pos + (self._arm_w - arm)[stance].mean(axis=0)
+        home = (self.anchor_w - arm)[stance].mean(axis=0)
+        self.base_pos = self.base_pos + self.config.pull * (home - self.base_pos)
+
+    def _reach(self, foot_w: Array, base_quat: Array) -> Array:
+        foot_b = spatial.quat_rotate_inverse(base_quat, foot_w - self.base_pos)
+        joint_pos, error = kinematics.leg_ik(foot_b)
+        if np.any(self.locked & (error > self.config.slip)):
+            reached = kinematics.foot_pos_b(joint_pos)
+            self._settle_slips(self.base_pos + spatial.quat_rotate(base_quat, reached))
+        return joint_pos
+
+    def _settle_slips(self, foot_w: Array) -> bool:
+        error = np.linalg.norm(foot_w - self.anchor_w, axis=-1)
+        slipped = self.locked & (error > self.config.slip)
+        if slipped.any():
+            self.anchor_w[slipped] = foot_w[slipped]
+            self.slips += int(slipped.sum())
+            return True
+        return False
+
+
+def limit_speed(joint_pos: Array, last: Array, speed_limit: float, dt: float) -> tuple[Array, bool]:
+    """Temporal consistency: joints (12,) no further from `last` than speed_limit (rad/s) allows.
+
+    Second value: whether any joint was cut short.
+    """
+    step = speed_limit * dt
+    delta = joint_pos - last
+    limited = np.clip(delta, -step, step)
+    return last + limited, bool(np.any(np.abs(delta - limited) > 1e-9))
+
+
+def limit_turn(base_quat: Array, last: Array, speed_limit: float, dt: float) -> tuple[Array, bool]:
+    """An orientation (4,) no further from `last` than speed_limit (rad/s) allows; was it cut?"""
+    angle = float(spatial.quat_angle(last, base_quat))
+    step = speed_limit * dt
+    if angle <= step + 1e-9:
+        return base_quat, False
+    return spatial.quat_slerp(last, base_quat, np.float64(step / angle)), True
+
+
+def make_consistent(
+    motion: ReferenceMotion, speed_limit: float, config: ContactConfig | None = None
+) -> ReferenceMotion:
+    """A whole noisy reference made consistent, frame by frame and causally, as it is live.
+
+    The trunk's orientation is kept; its position is carried anew by the standing feet.
+    """
+    lock = ContactLock(config)
+    lock.reset(motion.base_pos[0])
+    last = motion.joint_pos[0]
+    base_pos, joints = np.empty_like(motion.base_pos), np.empty_like(motion.joint_pos)
+    contact = np.empty_like(motion.foot_contact)
+    drift = motion.base_lin_vel_w
+    for i in range(len(motion)):
+        quat = motion.base_quat[i]
+        asked = lock.step(motion.joint_pos[i], quat, motion.foot_contact[i], motion.dt, drift[i])
+        last, clipped = limit_speed(asked, last, speed_limit, motion.dt)
+        if clipped:
+            lock.recheck(last, quat)
+        base_pos[i], joints[i], contact[i] = lock.base_pos, last, lock.locked
+    return ReferenceMotion(
+        state=motion.state,
+        task=motion.task,
+        dt=motion.dt,
+        base_pos=base_pos,
+        base_quat=motion.base_quat,
+        joint_pos=joints,
+        foot_contact=contact,
+        params=motion.params,
+    )

@@ -1,0 +1,122 @@
+"""One expert: a person's triplet (q, q', q'') becomes the robot's (p, p', p''), in plain numpy.
+
+The network is the paper's (three leaky-ReLU layers; the joint head a tanh shifted and scaled to
+the joint limits). Where the paper leaves a head open: the root head is a normalised quaternion,
+the rotation away from the state's neutral trunk in the state's own frame (small for every state,
+so that a sitting trunk, near vertical, is as well conditioned as a standing one); derivative heads
+are linear, in units of the training data's standard deviation.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.retarget.network import Mlp
+from studio.robot import a1
+
+Array = NDArray[np.float64]
+Array32 = NDArray[np.float32]
+
+INPUT_CLIP = np.float32(5.0)
+"""Normalised inputs are cut off here: one wild joint must not throw every output."""
+JOINT_MID = 0.5 * (a1.JOINT_UPPER + a1.JOINT_LOWER)
+JOINT_HALF = 0.5 * (a1.JOINT_UPPER - a1.JOINT_LOWER)
+
+RATES: dict[str, slice] = {
+    "joint_vel": slice(0, 12),
+    "joint_acc": slice(12, 24),
+    "base_lin_vel": slice(24, 27),
+    "base_lin_acc": slice(27, 30),
+    "base_ang_vel": slice(30, 33),
+    "base_ang_acc": slice(33, 36),
+}
+"""Layout of the derivative head: joints, base (linear in the state's frame, angular in the body)."""
+NUM_RATES = 36
+NUM_OUTPUTS = 12 + 4 + NUM_RATES
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mapped:
+    """What an expert says of one frame, before any consistency.
+
+    joint_pos: (12,) rad, inside the joint limits. base_quat: (4,) wxyz, trunk in the state's frame
+    (stand, sit: the frame the feet were planted in, so yaw is the twist; walk: the heading frame).
+    rates: (36,) derivatives in SI, laid out as RATES. contact_prob: (4,) in [0, 1].
+    """
+
+    joint_pos: Array
+    base_quat: Array
+    rates: Array
+    contact_prob: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mapper:
+    """An expert's networks and what scales their inputs and outputs.
+
+    trunk: the mapping network, input 3F. contact: the contact network, input 2F (q and q').
+    mean, scale: (3F,) of the training inputs. rate_scale: (36,) sigma of the training derivatives.
+    neutral_quat: (4,) the state's neutral trunk that the root head turns away from.
+    """
+
+    trunk: Mlp
+    contact: Mlp
+    mean: Array32
+    scale: Array32
+    rate_scale: Array
+    neutral_quat: Array
+
+    @staticmethod
+    def from_tensors(tensors: Mapping[str, NDArray]) -> "Mapper":
+        """Read an expert from the arrays of its safetensors file (see `studio.training.mapper`)."""
+        return Mapper(
+            trunk=Mlp.from_tensors(tensors, "trunk"),
+            contact=Mlp.from_tensors(tensors, "contact"),
+            mean=tensors["mean"].astype(np.float32),
+            scale=tensors["scale"].astype(np.float32),
+            rate_scale=tensors["rate_scale"].astype(np.float64),
+            neutral_quat=tensors["neutral_quat"].astype(np.float64),
+        )
+
+    def normalize(self, triplet: Array) -> Array32:
+        """Network inputs (..., 3F) of triplets (..., 3F), cut off at INPUT_CLIP sigmas."""
+        x = (np.asarray(triplet, np.float32) - self.mean) / self.scale
+        return np.clip(x, -INPUT_CLIP, INPUT_CLIP)
+
+    def __call__(self, triplet: Array) -> Mapped:
+        """Map one triplet (3F,) = q, q', q'' end to end; also takes a batch (..., 3F)."""
+        x = self.normalize(triplet)
+        out = self.trunk(x).astype(np.float64)
+        joint_pos = JOINT_MID + JOINT_HALF * np.tanh(out[..., :12])
+        return Mapped(
+            joint_pos=joint_pos,
+            base_quat=root_quat(out[..., 12:16], self.neutral_quat),
+            rates=out[..., 16:] * self.rate_scale,
+            contact_prob=self.contact_prob(x),
+        )
+
+    def contact_prob(self, x: Array32) -> Array:
+        """Contact probabilities (..., 4) of normalised inputs (..., 3F): sees q and q' only."""
+        logit = self.contact(x[..., : self.contact.input_dim]).astype(np.float64)
+        return 1.0 / (1.0 + np.exp(-np.clip(logit, -30.0, 30.0)))
+
+
+def root_quat(raw: Array, neutral_quat: Array) -> Array:
+    """Trunk orientation (..., 4) of the raw root head (..., 4): normalise(raw + 1) * neutral.
+
+    The added identity makes a network that says nothing mean the neutral trunk.
+    """
+    w, x, y, z = raw[..., 0] + 1.0, raw[..., 1], raw[..., 2], raw[..., 3]
+    inv = 1.0 / np.sqrt(np.maximum(w * w + x * x + y * y + z * z, 1e-12))
+    a, b, c, d = neutral_quat
+    return np.stack(
+        [
+            (w * a - x * b - y * c - z * d) * inv,
+            (w * b + x * a + y * d - z * c) * inv,
+            (w * c - x * d + y * a + z * b) * inv,
+            (w * d + x * c - y * b + z * a) * inv,
+        ],
+        axis=-1,
+    )

@@ -1,0 +1,23 @@
+"""What an expert is, apart from its weights: its state, what it covers, how fast joints may go."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from studio.reference.intent import StateName
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExpertSpec:
+    """One state's retargeting expert.
+
+    name: the state. covers: one line for people. speed_limit: rad/s, bound on every joint's speed
+    in the temporal consistency step (the paper: 120 deg/s). turns: the trunk's heading is carried
+    by the feet (walking) instead of read off the person's twist. emphasis: how much more of a
+    task's motion to train on than of the others (default 1.0; 0 leaves it out).
+    """
+
+    name: StateName
+    covers: str
+    speed_limit: float
+    turns: bool = False
+    emphasis: Mapping[str, float] = field(default_factory=dict)
