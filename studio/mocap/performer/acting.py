@@ -1,0 +1,215 @@
+"""Acting: what is meant, as smoothed signals, becomes the posture of one person, habits and all."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.mocap.performer import signals as sig
+from studio.mocap.performer.person import Habits, Person
+from studio.mocap.performer.posture import SIGN, Posture
+from studio.mocap.performer.signals import smoothstep
+
+Array = NDArray[np.float64]
+
+# Arms while squatting, (fwd, out, twist, flex) in rad; "hang" is the person's own way.
+SQUAT_ARMS: dict[str, Array] = {
+    "forward": np.radians([75.0, 8.0, 5.0, 10.0]),
+    "clasp": np.radians([35.0, 8.0, 35.0, 110.0]),
+    "hips": np.radians([-15.0, 42.0, 50.0, 95.0]),
+}
+
+
+def act(
+    person: Person,
+    s: Array,
+    body_sway: Array,
+    arm_sway: Array,
+    beat: Array,
+    gesture: Array,
+    gesture_weight: Array,
+) -> tuple[Posture, Array]:
+    """Posture of T frames of signal `s` (T, NUM), and (T, 2) how idle each arm is (right, left).
+
+    The last five arguments are those of `idle.Sway` and `idle.Fidgets` for the same frames.
+    """
+    h = person.habits
+    walk = s[:, sig.WALK] * smoothstep(s[:, sig.CADENCE] / 0.2)
+    sit = s[:, sig.SIT]
+    phase = s[:, sig.PHASE] + h.timing * beat
+    bell, march = _steps(h, s, walk, phase)
+    if person.style == "circles":
+        march = np.zeros_like(march)
+    trunk, pelvis = _trunk(h, s, walk, sit, body_sway, march, bell)
+    knee, shank, heel, out = _knees(h, s, sit)
+    lift, lift_knee, point = _lifts(h, s, bell, march)
+    shift = np.stack(
+        [
+            body_sway[:, 0] - h.hips_back * np.sin(trunk[:, 1] - _lean(h, s, sit)) * (1.0 - sit),
+            body_sway[:, 1]
+            + 0.5 * h.hips_back * np.sin(trunk[:, 0])
+            - h.weight_shift * (_lead(h, s, phase) * SIGN).sum(axis=1) * march.max(axis=1),
+        ],
+        axis=-1,
+    )
+    arms, free, idle = _arms(person, s, walk, sit, phase, arm_sway, gesture, gesture_weight)
+    turn_head = np.stack(
+        [
+            -h.head_share * 0.5 * trunk[:, 0],
+            -h.head_share * trunk[:, 1] * 0.6 + body_sway[:, 5],
+            h.head_share * 0.3 * trunk[:, 2] + body_sway[:, 6],
+        ],
+        axis=-1,
+    )
+    return (
+        Posture(
+            knee=knee,
+            shank=shank,
+            pelvis_shift=shift,
+            pelvis_drop=h.bob * walk * 0.5 * (1.0 - np.cos(4.0 * np.pi * phase)),
+            pelvis_rpy=pelvis,
+            trunk_rpy=trunk,
+            head_rpy=turn_head,
+            heel=heel,
+            lift=lift,
+            lift_knee=lift_knee,
+            swing=np.minimum(4.0 * bell, 1.0) * march,
+            point=point,
+            knees_out=out,
+            arms=arms,
+            arm_free=free,
+        ),
+        idle,
+    )
+
+
+def _leg_phase(phase: Array) -> Array:
+    """(T, 2) phase of the (right, left) leg in [0, 1); the left foot lifts at 0."""
+    return (phase[:, None] + np.array([0.5, 0.0])) % 1.0
+
+
+def _share(h: Habits, s: Array) -> Array:
+    """(T, 1) share of the stride that a foot swings: slow marchers pause between steps."""
+    cadence = np.maximum(s[:, sig.CADENCE], 0.05)
+    return np.clip(h.swing_s * cadence, 0.12, h.swing_share)[:, None]
+
+
+def _steps(h: Habits, s: Array, walk: Array, phase: Array) -> tuple[Array, Array]:
+    """(T, 2) how high each foot is in its swing, in [0, 1], and (T, 2) how much it marches."""
+    u = np.clip(_leg_phase(phase) / _share(h, s), 0.0, 1.0) ** h.step_skew
+    bell = np.maximum(np.sin(np.pi * u), 0.0) ** (2.0 * h.step_shape)
+    return bell, np.repeat(walk[:, None], 2, axis=1)
+
+
+def _lead(h: Habits, s: Array, phase: Array) -> Array:
+    """(T, 2) weight to take off each foot: ahead of its swing and longer."""
+    share = _share(h, s)
+    u = np.clip((_leg_phase(phase + 0.35 * share[:, 0]) / (1.7 * share)), 0.0, 1.0)
+    return np.sin(np.pi * u) ** 2
+
+
+def _lifts(h: Habits, s: Array, bell: Array, march: Array) -> tuple[Array, Array, Array]:
+    """Thigh lift, knee flexion and toe pointing (T, 2) of the swinging legs."""
+    high = h.step_low + (h.step_high - h.step_low) * s[:, sig.LIFT, None]
+    lift = high * h.step_asymmetry * bell * march
+    # A jog lifts the heel behind instead of the thigh in front.
+    jog = smoothstep((s[:, sig.CADENCE, None] - 0.9) / 0.5) * np.maximum(1.2 - high, 0.0)
+    knee = lift + (h.shin_back + h.jog_kick * jog) * bell * march
+    return lift, np.maximum(knee, 0.35 * lift), np.full_like(lift, 0.5)
+
+
+def _lean(h: Habits, s: Array, sit: Array) -> Array:
+    """(T,) trunk lean that balance asks for: crouching, squatting, and on the way down or up."""
+    dive = 4.0 * sit * (1.0 - sit) * h.squat_dive
+    return h.crouch_lean * s[:, sig.CROUCH] * (1.0 - sit) + h.squat_lean * sit + dive
+
+
+def _trunk(
+    h: Habits, s: Array, walk: Array, sit: Array, sway: Array, march: Array, bell: Array
+) -> tuple[Array, Array]:
+    """Trunk and pelvis roll, pitch, yaw (T, 3) each."""
+    stand_gain = np.repeat(h.gain[None], len(s), axis=0)
+    gain = stand_gain + sit[:, None] * (h.sit_gain - stand_gain)
+    tilt = s[:, sig.TILT]
+    # Backwards a spine gives less; in sit both ways are the hips' doing.
+    back = np.where(sit > 0.5, gain[:, 1], gain[:, 2])
+    pitch_gain = np.where(tilt[:, 1] > 0.0, gain[:, 1], back)
+    turn = s[:, sig.TURN] * s[:, sig.WALK]
+    swing = (SIGN * bell * march).sum(axis=1)
+    roll = gain[:, 0] * tilt[:, 0] + sway[:, 2] - h.turn_lean * turn + h.march_sway * swing
+    pitch = h.slouch + pitch_gain * tilt[:, 1] + sway[:, 3] + _lean(h, s, sit)
+    pitch = pitch + 0.06 * walk * s[:, sig.SPEED]
+    yaw = gain[:, 3] * tilt[:, 2] + sway[:, 4] + h.turn_yaw * turn
+    trunk = np.stack([roll, pitch, yaw + 0.8 * h.march_sway * swing], axis=-1)
+    share = np.array([h.hips_roll, 0.0, h.hips_yaw])
+    pelvis = trunk * share
+    pelvis[:, 2] -= 0.8 * h.march_sway * swing
+    return trunk, pelvis
+
+
+def _knees(h: Habits, s: Array, sit: Array) -> tuple[Array, Array, Array, Array]:
+    """Knee, shank, heel and knees-out angles (T,) of standing, crouching and squatting."""
+    stand = h.knee_rest + (h.crouch_knee - h.knee_rest) * s[:, sig.CROUCH]
+    deep = smoothstep(sit / 0.95)
+    knee = stand + (h.squat_knee - stand) * sit
+    shank = h.shank_share * stand + (h.squat_shank - h.shank_share * stand) * sit
+    bent = np.clip(knee / 1.8, 0.0, 1.0)
+    return knee, shank, h.heels_up * deep**2, h.knees_out * bent
+
+
+def _arms(
+    person: Person,
+    s: Array,
+    walk: Array,
+    sit: Array,
+    phase: Array,
+    arm_sway: Array,
+    gesture: Array,
+    gesture_weight: Array,
+) -> tuple[Array, Array, Array]:
+    """Arm angles (T, 2, 4), freedom from the trunk (T, 2) and idleness (T, 2)."""
+    h = person.habits
+    reach = s[:, sig.REACH]
+    active = smoothstep(reach / 0.15)
+    idle_weight = gesture_weight * (1.0 - active)
+    rest = h.hang + arm_sway
+    if h.squat_arms != "hang" and np.isfinite(h.fidget_gap_s):
+        weight = sit[:, None] * (1.0 - active)
+        rest = rest + weight[..., None] * (SQUAT_ARMS[h.squat_arms] - rest)
+        squat_idle = weight
+    else:
+        squat_idle = np.zeros_like(reach)
+    rest = rest + _march_arms(person, s, walk, phase)
+    rest = rest + idle_weight[..., None] * (gesture - rest)
+
+    out = s[:, sig.SIDE] * SIGN  # > 0: outwards
+    angle = np.where(out > 0.0, h.raise_side, 0.6) * out + h.raise_aside * (1.0 - np.abs(out))
+    top = h.raise_top * reach
+    blend = active[..., None]
+    flex = h.raise_flex * (1.0 - 0.7 * reach**2)
+    raised = np.stack(
+        [top * np.cos(angle), top * np.sin(angle), np.full_like(top, 0.1), flex], axis=-1
+    )
+    arms = rest + blend * (raised + 0.5 * arm_sway - rest)
+    arms[..., 3] = np.clip(arms[..., 3], 0.03, 2.6)
+    free = h.arm_gravity + active * (h.raised_gravity - h.arm_gravity)
+    free = free * (1.0 - 0.6 * idle_weight)
+    return arms, free, np.maximum(idle_weight, squat_idle)
+
+
+def _march_arms(person: Person, s: Array, walk: Array, phase: Array) -> Array:
+    """(T, 2, 4) what marching adds to resting arms: a swing against the legs, or the circles."""
+    h = person.habits
+    turn = 2.0 * np.pi * _leg_phase(phase)
+    add = np.zeros((len(s), 2, 4))
+    w = walk[:, None]
+    if person.style == "circles":
+        size = h.circle_size * (0.5 + 0.5 * s[:, sig.LIFT, None])
+        to_pose = h.circle_arm - h.hang
+        add += w[..., None] * to_pose
+        add[..., 0] += w * size * np.sin(turn)
+        add[..., 3] += w * 1.2 * size * np.cos(turn)
+        return add
+    # An arm goes forward with the other side's leg: against its own.
+    beat = -np.sin(turn + 0.35)
+    add[..., 0] = w * h.arm_swing * beat
+    add[..., 3] = w * (h.march_flex + 0.35 * h.arm_swing * beat)
+    return add

@@ -1,0 +1,111 @@
+"""Performer: intents in, human poses out, causal and online; `perform` runs a track at once."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import spatial
+from studio.human.pose import HumanClip, HumanPose
+from studio.mocap.performer import signals as sig
+from studio.mocap.performer.acting import act
+from studio.mocap.performer.filters import Fir, bell
+from studio.mocap.performer.idle import Fidgets, Sway
+from studio.mocap.performer.person import Person
+from studio.mocap.performer.posture import joints
+from studio.mocap.performer.sensor import SensorState
+from studio.mocap.performer.signals import DT
+from studio.reference.intent import Intent, IntentTrack
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Performance:
+    """A track as performed.
+
+    clip: what the sensor saw, frame i at i / 30 s. true_pos_w: (T, 19, 3) m, before the sensor.
+    idle: (T, 2) in [0, 1], how much the (right, left) arm does something nobody asked for.
+    delay_s: frame i shows the intent of time t[i] - delay_s.
+    """
+
+    clip: HumanClip
+    true_pos_w: Array
+    idle: Array
+    delay_s: float
+
+    @property
+    def delay_frames(self) -> int:
+        """`delay_s` in whole frames: clip[i] pairs with track[i - delay_frames]."""
+        return round(self.delay_s / DT)
+
+
+class Performer:
+    """One person acting. Steps of 1/30 s; one thread. The same person and rng, the same motion."""
+
+    def __init__(self, person: Person, rng: np.random.Generator | int = 0) -> None:
+        self.person = person
+        self._rng = np.random.default_rng(rng)
+        self.reset()
+
+    def reset(self) -> None:
+        """Start over in whatever the next intent asks for, with other chance movements."""
+        person, h = self.person, self.person.habits
+        sway, fidgets, sensor = self._rng.spawn(3)
+        self._sway, self._fidgets = Sway(person, sway), Fidgets(person, fidgets)
+        self._sensor = SensorState(person.sensor, sensor)
+        wait = np.zeros(round(person.reaction_delay / DT))
+        self._follow = Fir(person.follow_kernel())
+        self._change = Fir(np.concatenate([wait, bell(h.change_s, DT, h.profile)]))
+        self._last_phase: float | None = None
+        self._strides = 0.0
+
+    def advance(self, signal: Array) -> tuple[Array, Array, Array, Array]:
+        """The next T frames of a signal (T, NUM).
+
+        Returns seen joints (T, 19, 3) m, confidence (T, 19), true joints and idleness (T, 2).
+        """
+        steps = len(signal)
+        s = signal.copy()
+        s[:, sig.PHASE] = self._unwrap(signal[:, sig.PHASE])
+        states = self._change(s[:, [sig.WALK, sig.SIT]])
+        s = self._follow(s)
+        s[:, [sig.WALK, sig.SIT]] = states
+        posture, idle = act(self.person, s, *self._sway(steps), *self._fidgets(steps))
+        true = joints(self.person.body, posture)
+        half = 0.5 * self.person.habits.facing
+        true = spatial.quat_rotate(np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), true)
+        seen, confidence = self._sensor.see(true)
+        return seen, confidence, true, idle
+
+    def step(self, intent: Intent, t: float) -> HumanPose:
+        """The pose at time t (s), one control period after the last, of somebody who means this."""
+        seen, confidence, _, _ = self.advance(sig.of_intents([intent]))
+        return HumanPose(t=t, joint_pos_w=seen[0], confidence=confidence[0])
+
+    def _unwrap(self, phase: Array) -> Array:
+        """Strides without jumps: a track that starts its phase anew is met at the same fraction."""
+        last = phase[0] if self._last_phase is None else self._last_phase
+        steps = np.diff(phase, prepend=last)
+        strides = self._strides + np.cumsum(steps - np.round(steps))
+        if self._last_phase is None:
+            strides = strides + phase[0]
+        self._last_phase, self._strides = float(phase[-1]), float(strides[-1])
+        return strides
+
+
+def play(signal: Array, person: Person, rng: np.random.Generator | int, name: str) -> Performance:
+    """A whole signal (T, NUM) at 30 Hz, performed."""
+    seen, confidence, true, idle = Performer(person, rng).advance(signal)
+    clip = HumanClip(
+        name=name, t=np.arange(len(signal)) * DT, joint_pos_w=seen, confidence=confidence
+    )
+    return Performance(clip=clip, true_pos_w=true, idle=idle, delay_s=person.delay_s)
+
+
+def perform(track: IntentTrack, person: Person, rng: np.random.Generator | int = 0) -> HumanClip:
+    """What a sensor saw of a person acting out a track; `play` returns more than the clip.
+
+    The clip starts settled in the track's first intent and trails it by `person.delay_s`.
+    """
+    return play(sig.of_track(track), person, rng, track.task).clip
