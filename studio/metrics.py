@@ -1,0 +1,212 @@
+"""The studio's figures, each defined once: arrays over control periods to numbers.
+
+A metric compares a robot with its clean reference of the same control step. Leading axis T is
+time at the control rate; poses are base_pos (T, 3), base_quat (T, 4), feet in the base's heading
+frame. Every function takes arrays only, so that tables, tests and the live view agree.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio import spatial
+
+Array = NDArray[np.float64]
+
+TRACKED_FOOT_ERROR = 0.08
+"""m: beyond this mean foot error a period is not tracked."""
+TRACKED_TILT_DEG = 15.0
+"""Beyond this orientation error, degrees, a period is not tracked."""
+FALLEN_TILT_DEG = 60.0
+"""A tilt this far from the reference's is a fall, degrees."""
+ANGLE_TOLERANCE = 0.02
+"""rad: how far the simulated robot may pass a joint limit (its stops are springs)."""
+RATE_TOLERANCE = 1.01
+"""How far torque and joint speed may pass their limits (a factor)."""
+
+
+def _array(x: ArrayLike) -> Array:
+    return np.asarray(x, dtype=np.float64)
+
+
+def joint_rmse_deg(joint_pos: ArrayLike, reference: ArrayLike) -> float:
+    """Root mean square over periods and joints of (T, 12) rad against (T, 12) rad, in degrees."""
+    error = _array(joint_pos) - _array(reference)
+    return float(np.degrees(np.sqrt(np.mean(error**2))))
+
+
+def heading_frame(base_pos: ArrayLike, base_quat: ArrayLike, points_w: ArrayLike) -> Array:
+    """Points (..., N, 3) from the world to the base's heading frame (yaw only, base origin)."""
+    relative = _array(points_w) - _array(base_pos)[..., None, :]
+    return spatial.quat_rotate_inverse(spatial.heading_quat(base_quat)[..., None, :], relative)
+
+
+def foot_error(
+    base_pos: ArrayLike,
+    base_quat: ArrayLike,
+    foot_pos_w: ArrayLike,
+    reference_base_pos: ArrayLike,
+    reference_base_quat: ArrayLike,
+    reference_foot_pos_w: ArrayLike,
+) -> Array:
+    """Mean over the feet (T,) m of the distance between base-relative feet in heading frames."""
+    ours = heading_frame(base_pos, base_quat, foot_pos_w)
+    theirs = heading_frame(reference_base_pos, reference_base_quat, reference_foot_pos_w)
+    return np.mean(np.linalg.norm(ours - theirs, axis=-1), axis=-1)
+
+
+def foot_error_m(
+    base_pos: ArrayLike,
+    base_quat: ArrayLike,
+    foot_pos_w: ArrayLike,
+    reference_base_pos: ArrayLike,
+    reference_base_quat: ArrayLike,
+    reference_foot_pos_w: ArrayLike,
+) -> float:
+    """`foot_error` averaged over the periods, m."""
+    error = foot_error(
+        base_pos,
+        base_quat,
+        foot_pos_w,
+        reference_base_pos,
+        reference_base_quat,
+        reference_foot_pos_w,
+    )
+    return float(np.mean(error))
+
+
+def orientation_error(base_quat: ArrayLike, reference: ArrayLike) -> Array:
+    """Angle (...,) rad between the directions of gravity two bodies feel: tilt without heading.
+
+    The angle between R^T z and R_ref^T z is defined at every tilt (heading is not, near vertical).
+    """
+    down = np.array([0.0, 0.0, -1.0])
+    ours = spatial.quat_rotate_inverse(base_quat, np.broadcast_to(down, _like(base_quat)))
+    theirs = spatial.quat_rotate_inverse(reference, np.broadcast_to(down, _like(reference)))
+    cross = np.linalg.norm(np.cross(ours, theirs), axis=-1)
+    return np.arctan2(cross, np.sum(ours * theirs, axis=-1))
+
+
+def _like(quat: ArrayLike) -> tuple[int, ...]:
+    return (*np.shape(quat)[:-1], 3)
+
+
+def orientation_error_deg(base_quat: ArrayLike, reference: ArrayLike) -> float:
+    """`orientation_error` averaged over the periods, degrees."""
+    return float(np.degrees(np.mean(orientation_error(base_quat, reference))))
+
+
+def contact_f1(contact: ArrayLike, reference: ArrayLike) -> float:
+    """F1 of simulated contacts (T, 4) against those asked for (T, 4), both read at 0.5.
+
+    1 where neither has any: nothing was asked, nothing was missed.
+    """
+    ours, asked = _array(contact) > 0.5, _array(reference) > 0.5
+    both, total = np.sum(ours & asked), np.sum(ours) + np.sum(asked)
+    return float(2.0 * both / total) if total else 1.0
+
+
+def foot_skate_m_s(foot_pos_w: ArrayLike, contact: ArrayLike, dt: float) -> float:
+    """Mean horizontal speed, m/s, of feet (T, 4, 3) in contact (T, 4) before and after the step.
+
+    0 where no foot stays in contact over a period.
+    """
+    moved = np.linalg.norm(np.diff(_array(foot_pos_w)[..., :2], axis=0), axis=-1)
+    on = _array(contact) > 0.5
+    stays = on[1:] & on[:-1]
+    return float(np.mean(moved[stays]) / dt) if np.any(stays) else 0.0
+
+
+def limit_violations(
+    target: ArrayLike,
+    joint_pos: ArrayLike,
+    joint_vel: ArrayLike,
+    torque: ArrayLike,
+    *,
+    lower: ArrayLike,
+    upper: ArrayLike,
+    speed_limit: ArrayLike,
+    torque_limit: ArrayLike,
+) -> int:
+    """Periods (of T) with a violated limit; all arrays (T, 12), limits (12,).
+
+    A target passes a joint limit at all; the simulated robot passes one by more than 0.02 rad, or
+    1 % of torque or joint speed.
+    """
+    lower, upper = _array(lower), _array(upper)
+    eps = 1e-9
+    bad = (_array(target) < lower - eps) | (_array(target) > upper + eps)
+    pos = _array(joint_pos)
+    bad |= (pos < lower - ANGLE_TOLERANCE) | (pos > upper + ANGLE_TOLERANCE)
+    bad |= np.abs(_array(joint_vel)) > RATE_TOLERANCE * _array(speed_limit)
+    bad |= np.abs(_array(torque)) > RATE_TOLERANCE * _array(torque_limit)
+    return int(np.sum(np.any(bad, axis=-1)))
+
+
+def distance_m(base_pos: ArrayLike) -> float:
+    """Length m of the base's path over the ground, (T, 3)."""
+    return float(np.sum(np.linalg.norm(np.diff(_array(base_pos)[:, :2], axis=0), axis=-1)))
+
+
+def mean_speed_m_s(base_pos: ArrayLike, dt: float) -> float:
+    """`distance_m` over the time it took, m/s; 0 for fewer than two periods."""
+    steps = len(_array(base_pos)) - 1
+    return distance_m(base_pos) / (steps * dt) if steps > 0 else 0.0
+
+
+def max_joint_speed_deg_s(joint_pos: ArrayLike, dt: float) -> float:
+    """Largest joint speed, degrees a second, by differences of (T, 12) rad; 0 for one period."""
+    pos = _array(joint_pos)
+    return float(np.degrees(np.max(np.abs(np.diff(pos, axis=0))) / dt)) if len(pos) > 1 else 0.0
+
+
+def fallen(trunk_contact: ArrayLike, base_quat: ArrayLike, reference_quat: ArrayLike) -> NDArray:
+    """Whether (...,) the trunk touches something, or the tilt is 60 degrees from the reference's."""
+    tilt = orientation_error(base_quat, reference_quat)
+    return np.asarray(trunk_contact, dtype=bool) | (np.degrees(tilt) > FALLEN_TILT_DEG)
+
+
+def success_time_ratio(fallen: ArrayLike, periods: int | None = None) -> float:
+    """Time until the first fall over the episode: fallen (T,) over `periods` (default T)."""
+    flags = np.asarray(fallen, dtype=bool)
+    total = len(flags) if periods is None else periods
+    alive = int(np.argmax(flags)) if flags.any() else len(flags)
+    return alive / total if total else 0.0
+
+
+def tracked_time_ratio(
+    fallen: ArrayLike,
+    foot_error: ArrayLike,
+    orientation_error: ArrayLike,
+    periods: int | None = None,
+) -> float:
+    """Share of the episode alive with foot error (T,) < 8 cm and tilt error (T,) rad < 15 deg."""
+    flags = np.asarray(fallen, dtype=bool)
+    total = len(flags) if periods is None else periods
+    alive = ~np.logical_or.accumulate(flags)
+    close = _array(foot_error) < TRACKED_FOOT_ERROR
+    upright = np.degrees(_array(orientation_error)) < TRACKED_TILT_DEG
+    return float(np.sum(alive & close & upright)) / total if total else 0.0
+
+
+def bootstrap_ci(
+    values: ArrayLike,
+    statistic: Callable[[Array], float] = lambda x: float(np.mean(x)),
+    *,
+    resamples: int = 1000,
+    level: float = 0.95,
+    seed: int = 0,
+) -> tuple[float, float]:
+    """Percentile bootstrap interval of a statistic of independent episodes' values (N,).
+
+    Percentiles (1 +- level) / 2 of the statistic over `resamples` draws with replacement (Efron
+    1979). NaN for no values.
+    """
+    values = _array(values)
+    if not len(values):
+        return float("nan"), float("nan")
+    rng = np.random.default_rng(seed)
+    draws = [statistic(values[rng.integers(0, len(values), len(values))]) for _ in range(resamples)]
+    low, high = np.quantile(draws, [0.5 - 0.5 * level, 0.5 + 0.5 * level])
+    return float(low), float(high)
