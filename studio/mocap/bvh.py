@@ -67,7 +67,7 @@ def _read(lines: Lines, name: str) -> HumanClip:
         log.warning("%s: claims %d frames, has %d", lines.name, claimed, len(joint_pos_w))
     return HumanClip(
         name=name,
-        t=dt * np.arange(len(joint_pos_w)),
+        t=np.arange(len(joint_pos_w), dtype=np.float64) * dt,
         joint_pos_w=joint_pos_w,
         confidence=np.concatenate(confidences),
     )

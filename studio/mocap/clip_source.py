@@ -1,0 +1,49 @@
+"""A clip held in memory → a source: what `bvh:` and `frames:` play."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from studio.human.pose import HumanClip, HumanPose
+from studio.mocap.source import SourceEnded
+
+TOLERANCE = 0.5 / 30.0
+"""s: half a control period, so that rounded time stamps do not slip a frame."""
+CALIBRATION_POSES = 300
+
+
+class ClipSource:
+    """Plays a HumanClip from its first frame, which is time 0."""
+
+    starts_live = True
+
+    def __init__(self, clip: HumanClip, name: str | None = None, rejected: int = 0) -> None:
+        self.name = name if name is not None else clip.name
+        self.clip = clip
+        self.duration: float | None = float(clip.t[-1] - clip.t[0])
+        self._t = clip.t - clip.t[0]
+        self._given = -1
+        self._rejected = rejected
+
+    def read(self, t: float) -> HumanPose | None:
+        """The newest pose with time <= t not given before; SourceEnded after the last."""
+        newest = int(np.searchsorted(self._t, t + TOLERANCE - 1e-9)) - 1
+        if newest > self._given:
+            self._given = newest
+            return replace(self.clip[newest], t=float(self._t[newest]))
+        if self._given == len(self._t) - 1:
+            raise SourceEnded(self.name)
+        return None
+
+    def calibration_poses(self) -> list[HumanPose]:
+        """The whole clip, thinned to a few hundred poses."""
+        step = max(len(self.clip) // CALIBRATION_POSES, 1)
+        return [self.clip[i] for i in range(0, len(self.clip), step)]
+
+    @property
+    def rejected(self) -> int:
+        """Lines of the file that were refused."""
+        return self._rejected
+
+    def close(self) -> None:
+        """Nothing is held open."""

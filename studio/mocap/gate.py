@@ -1,0 +1,230 @@
+"""Raw human frames from outside → HumanPose, or FrameRejected saying what is wrong: the only door.
+
+Whatever comes in, no other exception leaves: the sender may be broken or hostile.
+"""
+
+import math
+import time
+from collections.abc import Callable
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.errors import StudioError
+from studio.human.calibration import SEEN
+from studio.human.pose import HumanPose
+from studio.human.sources import SKELETONS, SourceSkeleton
+
+Array = NDArray[np.float64]
+
+MAX_BYTES = 65_536
+"""A frame of 33 joints takes some 2 kB."""
+MAX_RATE, BURST = 120.0, 30.0
+"""Frames a second, and how many may come at once after a pause (a network's hiccup)."""
+MAX_COORDINATE = 100.0
+"""m from the sensor's origin, for joints it says it sees or not."""
+MIN_EXTENT, MAX_EXTENT = 0.25, 2.5
+"""m, the farthest seen joint from the middle of all: tells millimetres from metres."""
+MAX_SPEED = 20.0
+"""m/s of any joint; a fast throw's wrist reaches some 15."""
+MAX_TIME = 1e11
+"""s; the present is 2e9 even for those who count from 1970."""
+MAX_AHEAD, MAX_AGE = 1.0, 1.0
+"""s by which a frame may run ahead of the clock, or come later than the quickest of its stream."""
+_AGE_WINDOW, _AGE_GAP = 10.0, 2.0
+_SHAPE = '{"t": seconds, "skeleton": NAME, "positions": [[x, y, z], …] in m, "confidence": [c, …]}'
+
+
+class FrameRejected(StudioError):
+    """A frame that does not fit; the message says what is wrong and what would fit."""
+
+
+class _Frame(msgspec.Struct):
+    t: float
+    skeleton: str
+    positions: list[tuple[float, float, float]]
+    confidence: list[float] | None = None
+
+
+_DECODER = msgspec.json.Decoder(_Frame)
+_UNFIT = (
+    msgspec.MsgspecError, ValueError, TypeError, OverflowError, RecursionError, MemoryError,
+    KeyError, AttributeError,
+)  # fmt: skip
+
+
+class FrameGate:
+    """Checks one stream of frames; call `reset` for each new sender. One thread at a time.
+
+    live: frames arrive as they happen, so rate and age are held against the clock; a recorded
+    file has neither. clock: seconds, monotonic.
+    """
+
+    def __init__(self, *, live: bool = True, clock: Callable[[], float] = time.monotonic) -> None:
+        self._live, self._clock = live, clock
+        self.rejected = 0
+        self.accepted = 0
+        self.reset()
+
+    def reset(self) -> None:
+        """A new sender: any skeleton, any time stamp; the counters and the rate cap stay."""
+        if not hasattr(self, "_tokens"):
+            self._tokens, self._refilled = BURST, -math.inf
+        self._skeleton: SourceSkeleton | None = None
+        self._pose: HumanPose | None = None
+        self._at = -math.inf
+        # least (clock - t) seen in this window and the one before: what "no delay" looks like
+        self._least, self._least_before, self._window = math.inf, math.inf, -math.inf
+
+    def check(self, raw: object) -> HumanPose:
+        """The pose in `raw` (JSON text, bytes, or the decoded object); FrameRejected otherwise."""
+        try:
+            pose = self._check(raw)
+        except FrameRejected:
+            self.rejected += 1
+            raise
+        self.accepted += 1
+        return pose
+
+    def _check(self, raw: object) -> HumanPose:
+        now = self._clock()
+        if self._live:
+            self._take_token(now)
+        frame = _parse(raw)
+        skeleton = SKELETONS.get(frame.skeleton)
+        if skeleton is None:
+            known = ", ".join(sorted(SKELETONS))
+            raise FrameRejected(f"unknown skeleton {frame.skeleton[:40]!r}; known: {known}")
+        if self._skeleton is not None and skeleton is not self._skeleton:
+            raise FrameRejected(
+                f"the skeleton changed from {self._skeleton.name} to {skeleton.name}: "
+                "open a new connection for another sensor"
+            )
+        positions, confidence = _arrays(frame, skeleton)
+        joint_pos_w, sure = skeleton.to_canonical(positions, confidence)
+        pose = HumanPose(t=frame.t, joint_pos_w=joint_pos_w, confidence=sure)
+        _check_body(pose)
+        self._check_time(pose, now)
+        self._check_speed(pose)
+        self._skeleton, self._pose, self._at = skeleton, pose, now
+        return pose
+
+    def _take_token(self, now: float) -> None:
+        """A token bucket: MAX_RATE frames a second, BURST at once; refused before it is parsed."""
+        elapsed = now - self._refilled
+        self._tokens = min(BURST, self._tokens + MAX_RATE * max(elapsed, 0.0))
+        self._refilled = now
+        if self._tokens < 1.0:
+            raise FrameRejected(f"more than {MAX_RATE:g} frames a second: send 30")
+        self._tokens -= 1.0
+
+    def _check_time(self, pose: HumanPose, now: float) -> None:
+        t = pose.t
+        if self._pose is not None:
+            if t <= self._pose.t:
+                raise FrameRejected(
+                    f"t = {t:.6g} s is not after the last frame's {self._pose.t:.6g} s: "
+                    "time runs forward, or open a new connection"
+                )
+            if self._live and t - self._pose.t > now - self._at + MAX_AHEAD:
+                raise FrameRejected(
+                    f"t runs ahead: {t - self._pose.t:.3g} s in {now - self._at:.3g} s of the "
+                    "clock; t is in seconds"
+                )
+        if not self._live:
+            return
+        if now - self._at > _AGE_GAP:
+            # A pause (a sleeping laptop stops its clock): what "no delay" is must be seen anew.
+            self._least = self._least_before = math.inf
+        if now - self._window > _AGE_WINDOW:
+            self._least, self._least_before, self._window = math.inf, self._least, now
+        self._least = min(self._least, now - t)
+        age = now - t - min(self._least, self._least_before)
+        if age > MAX_AGE:
+            raise FrameRejected(
+                f"the frame is {age:.2g} s late; older than {MAX_AGE:g} s is no use"
+            )
+
+    def _check_speed(self, pose: HumanPose) -> None:
+        last = self._pose
+        if last is None:
+            return
+        both = (pose.confidence >= SEEN) & (last.confidence >= SEEN)
+        moved = pose.joint_pos_w - last.joint_pos_w
+        # A sensor's jitter over a tiny step of time is no speed: count no step as under 1/30 s.
+        dt = max(pose.t - last.t, 1.0 / 30.0)
+        speed = math.sqrt(float((np.einsum("ji,ji->j", moved, moved) * both).max())) / dt
+        if speed > MAX_SPEED:
+            raise FrameRejected(
+                f"a joint jumps at {speed:.3g} m/s; people stay under {MAX_SPEED:g} m/s"
+            )
+
+
+def _parse(raw: object) -> _Frame:
+    if isinstance(raw, (str, bytes, bytearray, memoryview)):
+        size = len(raw)
+        if size > MAX_BYTES:
+            raise FrameRejected(f"a frame of {size} bytes; at most {MAX_BYTES} are read")
+    elif not isinstance(raw, dict):
+        raise FrameRejected(f"a frame is a JSON object {_SHAPE}, not {type(raw).__name__}")
+    try:
+        if isinstance(raw, dict):
+            return msgspec.convert(raw, _Frame)
+        return _DECODER.decode(raw)
+    except _UNFIT as e:
+        why = " ".join(str(e).split())[:160] or type(e).__name__
+        raise FrameRejected(f"{why}; a frame is {_SHAPE}") from None
+
+
+def _arrays(frame: _Frame, skeleton: SourceSkeleton) -> tuple[Array, Array | None]:
+    """Positions (n, 3) and confidence (n,) or None, right in number, finite and in range."""
+    if not abs(frame.t) <= MAX_TIME:
+        raise FrameRejected(f"t = {frame.t:g} is no time in seconds")
+    n = skeleton.num_joints
+    if len(frame.positions) != n:
+        raise FrameRejected(
+            f"{len(frame.positions)} positions; skeleton {skeleton.name} has {n} joints"
+        )
+    positions = np.array(frame.positions)
+    if not (np.abs(positions) <= MAX_COORDINATE).all():  # NaN fails too
+        raise FrameRejected(
+            f"a position is not finite or beyond {MAX_COORDINATE:g} m: positions are in metres"
+        )
+    if frame.confidence is None:
+        return positions, None
+    if len(frame.confidence) != n:
+        raise FrameRejected(
+            f"{len(frame.confidence)} confidences; skeleton {skeleton.name} has {n} joints"
+        )
+    confidence = np.array(frame.confidence)
+    if not ((confidence >= 0.0) & (confidence < np.inf)).all():
+        raise FrameRejected("a confidence is negative or not finite: 0 (not seen) upwards")
+    return positions, confidence
+
+
+def _check_body(pose: HumanPose) -> None:
+    """The seen joints are as far apart as a body's in metres; a frame that shows nobody is fine."""
+    seen = pose.confidence >= SEEN
+    count = int(seen.sum())
+    if count < 4:
+        return
+    points = pose.joint_pos_w
+    away = points - (seen @ points) / count
+    extent = math.sqrt(float((np.einsum("ji,ji->j", away, away) * seen).max()))
+    if not MIN_EXTENT <= extent <= MAX_EXTENT:
+        raise FrameRejected(
+            f"the body reaches {extent:.3g} m from its middle; positions are in metres, "
+            f"{MIN_EXTENT:g} to {MAX_EXTENT:g} would fit"
+        )
+
+
+def object_of(pose: HumanPose) -> dict[str, Any]:
+    """A pose as the human frame of skeleton "studio": what the gate reads back unchanged."""
+    return {
+        "t": pose.t,
+        "skeleton": "studio",
+        "positions": pose.joint_pos_w.tolist(),
+        "confidence": pose.confidence.tolist(),
+    }

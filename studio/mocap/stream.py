@@ -1,0 +1,74 @@
+"""Frames pushed from a socket's thread → the newest pose, read by the control loop."""
+
+import math
+import threading
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+from studio.human.pose import HumanPose
+from studio.mocap.gate import FrameGate
+
+
+class StreamSource:
+    """The source `stream`: `push` and `new_sender` from any thread, `read` from the loop's.
+
+    Poses are stamped with the seconds since the source was opened, at arrival: a sender's own
+    clock may count from anywhere. How old is too old is for `live.safety` to say; see `age`.
+    """
+
+    starts_live = False
+    duration: float | None = None
+
+    def __init__(
+        self, name: str = "stream", *, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self.name = name
+        self._clock = clock
+        self._opened = clock()
+        self._gate = FrameGate(live=True, clock=clock)
+        self._lock = threading.Lock()
+        self._latest: HumanPose | None = None
+        self._fresh = False
+
+    def push(self, raw: object) -> None:
+        """Take in one frame: JSON text or bytes, or the decoded object. Raises FrameRejected."""
+        with self._lock:
+            pose = self._gate.check(raw)
+            self._latest = replace(pose, t=self._clock() - self._opened)
+            self._fresh = True
+
+    def new_sender(self) -> None:
+        """Another client starts to send: its skeleton and clock are its own."""
+        with self._lock:
+            self._gate.reset()
+
+    def read(self, t: float) -> HumanPose | None:
+        """The newest pose if it was not given before, else None; `t` plays no part."""
+        with self._lock:
+            if not self._fresh:
+                return None
+            self._fresh = False
+            return self._latest
+
+    @property
+    def age(self) -> float:
+        """s since the newest frame arrived; infinite before the first."""
+        with self._lock:
+            if self._latest is None:
+                return math.inf
+            return self._clock() - self._opened - self._latest.t
+
+    def calibration_poses(self) -> list[HumanPose]:
+        """Nothing to scan ahead: a live person is calibrated as they move."""
+        return []
+
+    @property
+    def rejected(self) -> int:
+        """Frames refused so far."""
+        return self._gate.rejected
+
+    def close(self) -> None:
+        """Forget the last pose."""
+        with self._lock:
+            self._latest, self._fresh = None, False
