@@ -1,0 +1,75 @@
+"""Random marches: bouts of steps and pauses to phase, cadence, lift, speed and turn over time.
+
+A bout begins and ends with all feet on the floor (phase 0.475 or 0.975, where neither crawl nor trot
+swings one), speeds up and slows down smoothly, and covers a whole number of half strides, as people
+do who march in place.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.reference import gait
+from studio.reference.contact import smoothstep
+from studio.reference.intent import IntentTrack
+from studio.reference.tracks import frames_in, make_track
+
+Array = NDArray[np.float64]
+
+REST_PHASE = 0.475
+"""Phase (and half a stride on) at which every foot stands, at any cadence."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bout:
+    """Half strides at a cadence (1/s), with a lift, a turn (rad/s), then a pause (s)."""
+
+    half_strides: int
+    cadence: float
+    lift: float
+    turn: float = 0.0
+    pause: float = 0.0
+    ramp: float = 0.4
+
+
+def march_track(
+    task: str, seconds: float, bouts: list[Bout], *, lead: float = 0.3, crouch: float = 0.0
+) -> IntentTrack:
+    """The track (30 Hz) of these bouts after `lead` s of standing; stands when they are over."""
+    length = frames_in(seconds)
+    t = np.arange(length) / 30.0
+    phase = np.full(length, REST_PHASE)
+    cadence, lift, turn = np.zeros(length), np.zeros(length), np.zeros(length)
+    begin = lead
+    for bout in bouts:
+        at_speed = 0.5 * bout.half_strides / bout.cadence
+        ramp = min(bout.ramp, at_speed)
+        end = begin + at_speed + ramp
+        up, down = (t - begin) / ramp, (end - t) / ramp
+        cadence += bout.cadence * smoothstep(np.minimum(up, down))
+        # The integral of the cadence: exactly half_strides / 2 at the end.
+        gone = _ramp_integral(up) - _ramp_integral(1.0 - down)
+        phase += bout.cadence * ramp * gone
+        share = smoothstep(np.minimum(up + 0.5, down + 0.5))
+        lift = np.maximum(lift, bout.lift * share)
+        turn += bout.turn * share
+        begin = end + bout.pause
+    turn = np.clip(turn, *(s * gait.MAX_YAW_PER_STRIDE * np.maximum(cadence, 0.0) for s in (-1, 1)))
+    return make_track(
+        "walk",
+        task,
+        length,
+        phase=phase,
+        cadence=cadence,
+        lift=lift,
+        turn=turn,
+        speed=gait.march_speed(cadence, lift),
+        crouch=np.full(length, crouch),
+    )
+
+
+def _ramp_integral(x: Array) -> Array:
+    """Integral of smoothstep from minus infinity to x: x^3 - x^4 / 2, then x - 1 / 2."""
+    inside = np.clip(x, 0.0, 1.0)
+    return inside**3 - 0.5 * inside**4 + np.maximum(x - 1.0, 0.0)

@@ -1,0 +1,77 @@
+"""The neutral pose of each state, and tilts about it: the frame in which a state's motion is told.
+
+A tilt is roll, pitch and yaw in the world's heading frame, on the left of the neutral orientation:
+q = quat_from_rpy(tilt) * q_neutral. Standing it is the usual roll, pitch and yaw; sitting, with the
+trunk near vertical, it stays regular where Euler angles and headings of the trunk itself do not
+(rolling 7 degrees to the side turns the sitting trunk's own heading by 20).
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio import spatial
+from studio.reference.intent import StateName
+from studio.robot import a1, kinematics
+from studio.robot.pose import RobotPose
+
+Array = NDArray[np.float64]
+
+SIT_PITCH = np.radians(-70.0)
+"""Pitch of the sitting trunk, nose up."""
+SIT_REAR = np.array([0.0, 1.30, -1.649])
+"""Hip, thigh and calf of a sitting rear leg: pitch + thigh + calf = -90 degrees, the calf flat on
+the floor, and the centre of mass between knee (8 cm behind it) and foot (11 cm before it)."""
+SIT_PAW_REST = np.array([0.0, 1.20, -1.10])
+"""A sitting front leg at rest: the paw hangs low before the trunk (reach 0)."""
+SIT_PAW_UP = np.array([0.0, -0.94, -1.45])
+"""A sitting front leg as high as it goes, the paw above 0.8 m (reach 1)."""
+
+
+def _sole_on_floor(quat: Array, joint_pos: Array) -> Array:
+    """(3,) base position over x = y = 0 at which the lowest sole touches z = 0."""
+    feet = kinematics.foot_pos_w(np.zeros(3), quat, joint_pos)
+    return np.array([0.0, 0.0, a1.FOOT_RADIUS - np.min(feet[:, 2])])
+
+
+def _neutral() -> dict[StateName, RobotPose]:
+    level = spatial.IDENTITY_QUAT.copy()
+    sit_quat = spatial.quat_from_rpy([0.0, SIT_PITCH, 0.0])
+    sit_joints = np.concatenate([SIT_PAW_REST, SIT_PAW_REST, SIT_REAR, SIT_REAR])
+    poses = {}
+    for state, quat, joints, contact in (
+        ("stand", level, a1.STAND_JOINT_POS, np.ones(4)),
+        ("walk", level, a1.STAND_JOINT_POS, np.ones(4)),
+        ("sit", sit_quat, sit_joints, np.array([0.0, 0.0, 1.0, 1.0])),
+    ):
+        poses[state] = RobotPose(
+            base_pos=_sole_on_floor(quat, joints),
+            base_quat=quat,
+            joint_pos=np.array(joints, dtype=np.float64),
+            foot_contact=contact,
+        )
+    return poses
+
+
+NEUTRAL: dict[StateName, RobotPose] = _neutral()
+"""Neutral stand, walk and sit: base at x = y = 0, heading 0, sole on the floor."""
+
+NEUTRAL_FEET: dict[StateName, Array] = {
+    state: kinematics.foot_pos_w(p.base_pos, p.base_quat, p.joint_pos)
+    for state, p in NEUTRAL.items()
+}
+"""(4, 3) m, world: centre of each foot in the neutral pose."""
+
+
+def tilted(state: StateName, tilt: ArrayLike) -> Array:
+    """Base orientations (..., 4) of tilts (..., 3) rad (roll, pitch, yaw) about the neutral."""
+    return spatial.quat_mul(spatial.quat_from_rpy(tilt), NEUTRAL[state].base_quat)
+
+
+def tilt_of(state: StateName, base_quat: ArrayLike) -> Array:
+    """Tilts (..., 3) rad about the neutral of base orientations (..., 4): undoes `tilted`.
+
+    Its third component is the heading (yaw) of the robot in that state.
+    """
+    return spatial.quat_to_rpy(
+        spatial.quat_mul(base_quat, spatial.quat_conj(NEUTRAL[state].base_quat))
+    )

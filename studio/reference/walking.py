@@ -1,0 +1,115 @@
+"""Walking intents to poses: a causal planner that sways the trunk and puts feet down for good.
+
+What it remembers is where the robot is: its path, and where each standing foot stands. So standing
+feet never slide, whatever the intent does; everything else follows from phase, cadence, speed,
+turn and lift of the moment. One step costs some tens of microseconds.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.reference import gait, stances
+from studio.reference.intent import Intent
+from studio.robot import a1
+
+Array = NDArray[np.float64]
+
+TILT_LIMIT = math.radians(10.0)
+"""rad: roll and pitch a walking trunk takes from the intent; its yaw is the path's."""
+_FEET = [tuple(p) for p in stances.NEUTRAL_FEET["walk"][:, :2].tolist()]
+
+
+class Walker:
+    """Plans trunk and feet, one control period at a time. One thread at a time may use it."""
+
+    def __init__(self) -> None:
+        self.reset()
+
+    def reset(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> None:
+        """Stand at (x, y) m with this heading, all feet down at their neutral places."""
+        self._x, self._y, self._yaw = x, y, yaw
+        self._phase: float | None = None
+        self._anchor = [_ahead(x, y, yaw, foot) for foot in _FEET]
+        self._foot = [(*p, 0.0) for p in self._anchor]
+        self._swinging = [False] * 4
+
+    def step(self, intent: Intent) -> tuple[Array, Array, Array]:
+        """Base position (3,), roll-pitch-yaw (3,) and foot centres (4, 3), world, of one period."""
+        cadence = min(max(intent.cadence, 0.0), 3.0)
+        duty = float(gait.duty(cadence))
+        per_stride, turn = _stride(intent, cadence, duty)
+        advance = self._advance(intent.phase)
+        self._x, self._y, self._yaw = _arc(
+            self._x, self._y, self._yaw, per_stride * advance, turn * advance
+        )
+        clear = float(gait.clearance(intent.lift))
+        for leg, offset in enumerate(gait.leg_offsets(cadence).tolist()):
+            phase = (intent.phase - offset) % 1.0
+            # The foot lands where it stands straight under the body half way through its stance.
+            left = 1.0 - 0.5 * duty - phase
+            there = _arc(self._x, self._y, self._yaw, per_stride * left, turn * left)
+            landing = _ahead(*there, _FEET[leg])
+            if phase < 1.0 - duty:
+                self._swing(leg, phase / (1.0 - duty), landing, clear)
+            elif self._swinging[leg]:
+                # Swung through: down at the landing. Gone back (in a pause): down where it is.
+                self._put_down(leg, landing if left > 0.0 else self._foot[leg][:2])
+        return self._pose(intent, cadence)
+
+    def _advance(self, phase: float) -> float:
+        """Strides since the last step; a phase that runs back or leaps moves nothing."""
+        last, self._phase = self._phase, phase
+        gone = 0.0 if last is None else phase - last
+        return gone if 0.0 <= gone <= 0.5 else 0.0
+
+    def _swing(self, leg: int, done: float, landing: tuple[float, float], clear: float) -> None:
+        """Move the foot a share `done` in [0, 1) of the way from where it stood to `landing`."""
+        (x, y), (to_x, to_y) = self._anchor[leg], landing
+        way = math.hypot(to_x - x, to_y - y)
+        if clear < 1e-4 and way < 0.005:
+            self._put_down(leg, (x, y))
+            return
+        self._swinging[leg] = True
+        s = done**3 * (10.0 - 15.0 * done + 6.0 * done * done)
+        # Even without lift a foot that must move is lifted, never dragged.
+        z = max(clear, min(gait.MIN_CLEARANCE, 0.6 * way)) * math.sin(math.pi * done) ** 2
+        self._foot[leg] = (x + s * (to_x - x), y + s * (to_y - y), z)
+
+    def _put_down(self, leg: int, place: tuple[float, ...]) -> None:
+        self._swinging[leg] = False
+        self._anchor[leg] = (place[0], place[1])
+        self._foot[leg] = (place[0], place[1], 0.0)
+
+    def _pose(self, intent: Intent, cadence: float) -> tuple[Array, Array, Array]:
+        active = float(gait.smoothstep(intent.lift / 0.3))
+        along, side = (active * gait.sway(intent.phase, cadence)).tolist()
+        x, y = _ahead(self._x, self._y, self._yaw, (along, side))
+        crouch = min(max(intent.crouch, 0.0), 1.0)
+        base = np.array([x, y, a1.STAND_HEIGHT - gait.CROUCH_DROP * crouch])
+        roll, pitch = np.clip(intent.tilt[:2], -TILT_LIMIT, TILT_LIMIT).tolist()
+        feet = np.array(self._foot)
+        feet[:, 2] += a1.FOOT_RADIUS
+        return base, np.array([roll, pitch, self._yaw]), feet
+
+
+def _stride(intent: Intent, cadence: float, duty: float) -> tuple[float, float]:
+    """Way (m) and turn (rad) per stride, within what the legs can do."""
+    rate = max(cadence, 0.05)
+    longest = float(gait.max_travel(cadence)) / duty
+    way = min(max(intent.speed, 0.0) / rate, longest)
+    most = gait.MAX_YAW_PER_STRIDE
+    return way, min(max(intent.turn / rate, -most), most)
+
+
+def _arc(x: float, y: float, yaw: float, way: float, turn: float) -> tuple[float, float, float]:
+    """The pose after `way` m along an arc that turns by `turn` rad."""
+    middle = yaw + 0.5 * turn
+    return x + way * math.cos(middle), y + way * math.sin(middle), yaw + turn
+
+
+def _ahead(x: float, y: float, yaw: float, p: tuple[float, float]) -> tuple[float, float]:
+    """The world's point of `p` in the frame at (x, y) with heading yaw."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    return x + c * p[0] - s * p[1], y + s * p[0] + c * p[1]
