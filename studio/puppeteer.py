@@ -1,0 +1,308 @@
+"""THE FLOW ON ONE PAGE: a HumanPose in, one control period of the robot out, as a Tick.
+
+    puppeteer = Puppeteer()
+    for pose in source:
+        tick = puppeteer.step(pose)
+
+Live is this plus a clock (`live.loop`); a headless drive and every table are this without one.
+"""
+
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, fields, replace
+from time import perf_counter
+
+import numpy as np
+
+from studio import spatial
+from studio.errors import StudioError, unknown_name
+from studio.human.calibration import Calibration
+from studio.human.pose import HumanPose
+from studio.imitation.controller import Controller, Directive
+from studio.imitation.controllers import open_controller
+from studio.metrics import FALLEN_TILT_DEG
+from studio.mocap.gate import FrameGate, FrameRejected, object_of
+from studio.recording.tick import Tick
+from studio.reference.intent import STATES, StateName
+from studio.retarget.retargeter import Retargeted, Retargeter
+from studio.retarget.settings import RetargetSettings
+from studio.robot.a1 import CONTROL_DT
+from studio.robot.pose import RobotPose, RobotState
+from studio.sim.actuation import LowPass, limit_target
+from studio.sim.world import World
+
+log = logging.getLogger(__name__)
+REUSE = 0.3
+"""s for which the last human pose stands in for a missing one."""
+STALE = 0.1
+"""s of age from which a reused pose is counted as stale."""
+FIRST_VOTE = 1.0
+"""s to wait for the first vote that is not "unknown" before the robot starts standing."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PuppeteerConfig:
+    """How to drive.
+
+    style: which human motion means walking. controller: a name of imitation.controllers, None for
+    the default. state: "auto" or the state to stay in. seed: of the world. mirror: as in a mirror.
+    tilt_gain: times the trunk's tilt. dead_zone: rad of tilt ignored. speed_cap: m/s.
+    """
+
+    style: str = "march"
+    controller: str | None = None
+    state: str = "auto"
+    seed: int = 0
+    mirror: bool = False
+    tilt_gain: float = 1.0
+    dead_zone: float = 0.0
+    speed_cap: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Orders:
+    """What whoever keeps watch asks for in this period: see `live.safety`.
+
+    directive: to the controller. damping: motors without stiffness. ramp: s over which following
+    eases in, None for the controller's own. mode, why: shown in the tick.
+    """
+
+    directive: Directive = Directive.FOLLOW
+    damping: bool = False
+    ramp: float | None = None
+    mode: str = "live"
+    why: str = ""
+
+
+FOLLOW = Orders()
+LIMITS: dict[str, tuple[float, float]] = {
+    "tilt_gain": (0.0, 2.0),
+    "dead_zone": (0.0, 0.5),
+    "speed_cap": (0.0, 1.5),
+}
+"""Ranges of the operator's sliders."""
+
+
+class Puppeteer:
+    """Person in, robot out. Remembers all there is to remember; one thread only."""
+
+    def __init__(
+        self,
+        config: PuppeteerConfig | None = None,
+        calibration: Calibration | None = None,
+        retargeter: Retargeter | None = None,
+    ) -> None:
+        """StudioError for unknown names, or where no experts are trained for the style."""
+        self.config = config = config or PuppeteerConfig()
+        self.retargeter = retargeter or Retargeter.load(
+            config.style, calibration, mirror=config.mirror
+        )
+        self.controller = Controller()
+        self.tracker = open_controller(config.controller)
+        self.low_pass = LowPass()
+        self.world = World(seed=config.seed)
+        self.gate = FrameGate(live=False)
+        self.lock_state(config.state)
+        for name in LIMITS:
+            self.set_gain(name, getattr(config, name))
+        self.reset()
+
+    def step(self, human: HumanPose | None = None, orders: Orders = FOLLOW) -> Tick:
+        """One control period (1/30 s). None: nothing new was seen. Never fails on a bad pose."""
+        self._timings: dict[str, float] = {}
+        fresh = self._see(human)
+        with self._section("retarget"):
+            mapped = self.retargeter.step(self._human if self._age <= REUSE else None, CONTROL_DT)
+        self._place_at_first_vote(mapped, orders)
+        with self._section("controller"):
+            wanted = mapped.active if self.lock is None else self.lock
+            reference = mapped.reference if mapped.active == wanted else None
+            control = self.controller.step(wanted, reference, orders.directive, orders.ramp)
+        with self._section("policy"):
+            in_transition = control.state == "transition"
+            action = self.tracker.act(control.reference, self.robot, control.expert, in_transition)
+        with self._section("filter"):
+            target = limit_target(self.low_pass.step(action), self._target)
+        with self._section("physics"):
+            self._damp(orders.damping)
+            self.robot, self._target = self.world.step(target), target
+        self._count(fresh, mapped)
+        self.fallen = self.fallen or (not orders.damping and fell(control.reference, self.robot))
+        return Tick(
+            index=self._index - 1,
+            t=self._t,
+            human=self._human,
+            human_fresh=fresh,
+            expert=mapped.expert,
+            votes=mapped.votes,
+            state=control.state,
+            transition_to=control.transition_to,
+            mode=orders.mode,
+            controller=self.tracker.name,
+            reference=control.reference,
+            action=action,
+            target=target,
+            robot=self.robot,
+            clipped=mapped.clipped,
+            fallen=self.fallen,
+            why=orders.why or why_still(mapped, self.lock, self._age),
+            timings_ms=self._timed(mapped),
+            counters=dict(self.counters),
+        )
+
+    # Memory ------------------------------------------------------------------------------------
+
+    def reset(self) -> None:
+        """Forget the person; the robot stands at the origin and starts in the first voted state."""
+        self.retargeter.reset()
+        self.gate.reset()
+        self._human: HumanPose | None = None
+        self._age = np.inf
+        self._index, self._t, self._waited = 0, 0.0, 0.0
+        self.counters = {"frames": 0, "rejected": 0, "stale": 0, "clipped": 0, "late": 0}
+        self._placed = False
+        self.place("stand")
+
+    def forget_person(self, calibration: Calibration | None = None) -> None:
+        """Another person, or another source, from here on; the robot stays as it is."""
+        if calibration is not None:
+            self.retargeter = Retargeter(
+                self.retargeter.experts,
+                calibration,
+                mirror=self.config.mirror,
+                settings=self.retargeter.settings,
+            )
+            self.retargeter.set_expert(self.lock)
+        self.retargeter.reset()
+        self.gate.reset()
+        self._human, self._age, self._t = None, np.inf, 0.0
+
+    def place(self, state: StateName, *, here: bool = False) -> None:
+        """The robot at rest in the neutral pose of `state`, at the origin or where it is."""
+        where = self.robot.base_pos[:2] if here else np.zeros(2)
+        yaw = float(spatial.heading(self.robot.base_quat)) if here else 0.0
+        self.controller.reset(state, where, yaw)
+        self._restart()
+
+    def stand_up(self) -> None:
+        """After a fall or a stop: from a crouch, where the robot is, up to standing in 1 s."""
+        yaw = float(spatial.heading(self.robot.base_quat))
+        self.controller.crouch(self.robot.base_pos[:2], yaw)
+        self._restart()
+        self._placed = True
+
+    def _restart(self) -> None:
+        reference = self.controller.reference
+        self.robot: RobotState = self.world.reset(reference)
+        self.low_pass.reset(reference.joint_pos)
+        self._target = reference.joint_pos
+        self.tracker.reset(reference, self.robot, self.controller.state)
+        self.fallen = False
+
+    # What a user changes while driving ----------------------------------------------------------
+
+    def lock_state(self, state: str) -> None:
+        """Stay in `state`; "auto" lets the selector decide. StudioError for anything else."""
+        if state != "auto" and state not in STATES:
+            raise unknown_name("state", state, ("auto", *STATES))
+        self.lock: StateName | None = None if state == "auto" else state  # type: ignore[assignment]
+        self.retargeter.set_expert(self.lock)
+
+    def set_gain(self, name: str, value: float) -> None:
+        """A slider: a name of LIMITS and a value within its range. StudioError otherwise."""
+        if name not in LIMITS:
+            raise unknown_name("gain", name, LIMITS)
+        low, high = LIMITS[name]
+        if not low <= value <= high:
+            raise StudioError(f"{name} must be between {low} and {high}, not {value}")
+        self.retargeter.settings = replace(self.retargeter.settings, **{name: float(value)})
+
+    @property
+    def gains(self) -> dict[str, float]:
+        """The sliders as they are."""
+        settings = self.retargeter.settings
+        return {f.name: getattr(settings, f.name) for f in fields(RetargetSettings)}
+
+    def set_mirror(self, mirror: bool) -> None:
+        """Mirror the person from the next pose on."""
+        self.config = replace(self.config, mirror=mirror)
+        self.retargeter.extractor.mirror = mirror
+
+    def set_controller(self, name: str) -> None:
+        """Another controller from the next period on. StudioError if there is none of the name."""
+        tracker = open_controller(name)
+        tracker.reset(self.controller.reference, self.robot, self.controller.state)
+        self.tracker = tracker
+
+    # One step's parts ---------------------------------------------------------------------------
+
+    def _see(self, human: HumanPose | None) -> bool:
+        """Keep a new pose, if it is one a person could have; is there a new one?"""
+        self._t += CONTROL_DT
+        self._age += CONTROL_DT
+        if human is None:
+            return False
+        self.counters["frames"] += 1
+        try:
+            self.gate.check(object_of(human))
+        except (FrameRejected, AttributeError, TypeError, ValueError) as error:
+            self.counters["rejected"] += 1
+            log.debug("human pose refused: %s", error)
+            return False
+        self._human, self._age, self._t = human, 0.0, human.t
+        return True
+
+    def _place_at_first_vote(self, mapped: Retargeted, orders: Orders) -> None:
+        """The robot starts in the first voted state, unless it has been standing by already."""
+        if self._placed:
+            return
+        if orders.directive is not Directive.FOLLOW or self._waited > FIRST_VOTE:
+            self._placed = True
+        elif self._human is not None:
+            self._waited += CONTROL_DT
+            if mapped.expert in STATES or self.lock is not None:
+                self.place(self.lock or mapped.expert)  # type: ignore[arg-type]
+                self._placed = True
+
+    def _damp(self, on: bool) -> None:
+        if on != self.world.damping:
+            self.world.set_damping(on)
+
+    def _count(self, fresh: bool, mapped: Retargeted) -> None:
+        self._index += 1
+        self.counters["clipped"] += mapped.clipped
+        self.counters["stale"] += bool(not fresh and STALE < self._age < np.inf)
+
+    @contextmanager
+    def _section(self, name: str) -> Iterator[None]:
+        start = perf_counter()
+        yield
+        self._timings[name] = 1e3 * (perf_counter() - start)
+
+    def _timed(self, mapped: Retargeted) -> dict[str, float]:
+        inference = sum(ms for name, ms in self._timings.items() if name != "physics")
+        return {**mapped.timings_ms, **self._timings, "inference": inference}
+
+
+def fell(reference: RobotPose, robot: RobotState) -> bool:
+    """The trunk touches the ground, or its tilt is over 60 degrees from the reference's."""
+    if robot.trunk_contact:
+        return True
+    up = np.array([0.0, 0.0, 1.0])
+    a = spatial.quat_rotate_inverse(reference.base_quat, up)
+    b = spatial.quat_rotate_inverse(robot.base_quat, up)
+    return bool(a @ b < np.cos(np.radians(FALLEN_TILT_DEG)))
+
+
+def why_still(mapped: Retargeted, lock: str | None, age: float) -> str:
+    """One line that says why the robot does not do what the person does, or ""."""
+    if age == np.inf:
+        return "nobody seen: waiting for the first human pose"
+    if age > REUSE:
+        return f"stale: no human pose for {age:.1f} s"
+    if mapped.expert == "unknown":
+        return "unknown: this motion is unlike any the experts were trained on; easing to neutral"
+    if lock is not None and mapped.expert != lock:
+        return f"locked: the state is held at {lock}, the person's motion says {mapped.expert}"
+    return ""
