@@ -4,18 +4,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.mocap.performer import signals as sig
-from studio.mocap.performer.person import Habits, Person
+from studio.mocap.performer.person import SQUAT_ARMS, Habits, Person
 from studio.mocap.performer.posture import SIGN, Posture
 from studio.mocap.performer.signals import smoothstep
 
 Array = NDArray[np.float64]
-
-# Arms while squatting, (fwd, out, twist, flex) in rad; "hang" is the person's own way.
-SQUAT_ARMS: dict[str, Array] = {
-    "forward": np.radians([75.0, 8.0, 5.0, 10.0]),
-    "clasp": np.radians([35.0, 8.0, 35.0, 110.0]),
-    "hips": np.radians([-15.0, 42.0, 50.0, 95.0]),
-}
 
 
 def act(
@@ -72,6 +65,7 @@ def act(
             lift=lift,
             lift_knee=lift_knee,
             swing=np.minimum(4.0 * bell, 1.0) * march,
+            tuck=h.tuck * bell * march,
             point=point,
             knees_out=out,
             arms=arms,
@@ -112,7 +106,8 @@ def _lifts(h: Habits, s: Array, bell: Array, march: Array) -> tuple[Array, Array
     lift = high * h.step_asymmetry * bell * march
     # A jog lifts the heel behind instead of the thigh in front.
     jog = smoothstep((s[:, sig.CADENCE, None] - 0.9) / 0.5) * np.maximum(1.2 - high, 0.0)
-    knee = lift + (h.shin_back + h.jog_kick * jog) * bell * march
+    # Twice the thigh's angle at first: the foot leaves the floor straight up instead of sliding.
+    knee = lift * (2.0 - bell) + (h.shin_back + h.jog_kick * jog) * bell * march
     return lift, np.maximum(knee, 0.35 * lift), np.full_like(lift, 0.5)
 
 
@@ -136,12 +131,12 @@ def _trunk(
     swing = (SIGN * bell * march).sum(axis=1)
     roll = gain[:, 0] * tilt[:, 0] + sway[:, 2] - h.turn_lean * turn + h.march_sway * swing
     pitch = h.slouch + pitch_gain * tilt[:, 1] + sway[:, 3] + _lean(h, s, sit)
-    pitch = pitch + 0.06 * walk * s[:, sig.SPEED]
+    pitch = pitch + walk * (h.march_lean + 0.06 * s[:, sig.SPEED])
     yaw = gain[:, 3] * tilt[:, 2] + sway[:, 4] + h.turn_yaw * turn
     trunk = np.stack([roll, pitch, yaw + 0.8 * h.march_sway * swing], axis=-1)
     share = np.array([h.hips_roll, 0.0, h.hips_yaw])
     pelvis = trunk * share
-    pelvis[:, 2] -= 0.8 * h.march_sway * swing
+    pelvis[:, 2] -= 1.2 * h.march_sway * swing
     return trunk, pelvis
 
 
@@ -150,7 +145,8 @@ def _knees(h: Habits, s: Array, sit: Array) -> tuple[Array, Array, Array, Array]
     stand = h.knee_rest + (h.crouch_knee - h.knee_rest) * s[:, sig.CROUCH]
     deep = smoothstep(sit / 0.95)
     knee = stand + (h.squat_knee - stand) * sit
-    shank = h.shank_share * stand + (h.squat_shank - h.shank_share * stand) * sit
+    shank = h.shank_share * h.knee_rest + 0.48 * (stand - h.knee_rest)
+    shank = shank + (h.squat_shank - shank) * sit
     bent = np.clip(knee / 1.8, 0.0, 1.0)
     return knee, shank, h.heels_up * deep**2, h.knees_out * bent
 
@@ -191,7 +187,9 @@ def _arms(
     arms = rest + blend * (raised + 0.5 * arm_sway - rest)
     arms[..., 3] = np.clip(arms[..., 3], 0.03, 2.6)
     free = h.arm_gravity + active * (h.raised_gravity - h.arm_gravity)
-    free = free * (1.0 - 0.6 * idle_weight)
+    # Who sits bent forward still reaches up to the ceiling.
+    free = free + sit[:, None] * active * (0.7 - h.raised_gravity)
+    free = free * (1.0 - idle_weight * smoothstep(gesture[..., :2].max(axis=-1)))
     return arms, free, np.maximum(idle_weight, squat_idle)
 
 
@@ -210,6 +208,7 @@ def _march_arms(person: Person, s: Array, walk: Array, phase: Array) -> Array:
         return add
     # An arm goes forward with the other side's leg: against its own.
     beat = -np.sin(turn + 0.35)
-    add[..., 0] = w * h.arm_swing * beat
+    add[..., 0] = w * (h.arm_swing * beat + 0.3 * h.march_out)
+    add[..., 1] = w * h.march_out
     add[..., 3] = w * (h.march_flex + 0.35 * h.arm_swing * beat)
     return add

@@ -45,12 +45,14 @@ class Body:
         def part(share: float, spread: float = 0.04) -> float:
             return float(height * share * (1.0 + np.clip(rng.normal(0.0, spread), -0.1, 0.1)))
 
+        # Half of the people stand hip-wide, the others as wide as for exercises (CMU: .15 to .36).
+        stance = rng.uniform(0.06, 0.17) if rng.random() < 0.5 else rng.uniform(0.15, 0.4)
         return Body(
             height=height,
             thigh=part(THIGH),
             shin=part(SHIN),
-            ankle_height=part(ANKLE_HEIGHT),
-            toe_height=0.012 * height,
+            ankle_height=part(ANKLE_HEIGHT, 0.1),
+            toe_height=float(height * rng.uniform(0.004, 0.013)),
             foot=part(FOOT),
             hip_half_width=part(HIP_HALF_WIDTH, 0.07),
             trunk=part(TRUNK),
@@ -59,6 +61,6 @@ class Body:
             shoulder_half_width=part(SHOULDER_HALF_WIDTH, 0.06),
             upper_arm=part(UPPER_ARM),
             forearm=part(FOREARM),
-            stance_width=float(height * rng.uniform(0.08, 0.24)),
-            toe_out=float(np.radians(rng.uniform(0.0, 22.0))),
+            stance_width=float(height * stance),
+            toe_out=float(np.radians(rng.uniform(0.0, 25.0))),
         )

@@ -34,7 +34,10 @@ GESTURES: dict[str, Gesture] = {
     "behind": Gesture(arms="both", pose=(-28, 10, 30, 35)),
     "pockets": Gesture(arms="both", pose=(-6, 18, 10, 40)),
     "sideways": Gesture(arms="both", pose=(5, 88, 0, 8)),
-    "overhead": Gesture(arms="both", pose=(140, 60, 0, 25)),
+    "elbows_out": Gesture(arms="both", pose=(20, 60, 30, 95), spread=14.0),
+    "wings": Gesture(arms="both", pose=(10, 72, 0, 30), wave=(30, 8, 0, 15), hz=0.5, spread=14.0),
+    "overhead": Gesture(arms="both", pose=(75, 105, 0, 25), spread=14.0),
+    "bar": Gesture(arms="both", pose=(-5, 42, -50, 108)),
     "circling": Gesture(arms="both", pose=(60, 60, 0, 15), wave=(55, 45, 0, 8), hz=0.6),
     "swinging": Gesture(arms="both", pose=(0, 12, 5, 15), wave=(28, 4, 0, 10), hz=0.5),
     "one_hip": Gesture(arms="one", pose=(-20, 45, 50, 95)),
@@ -75,7 +78,8 @@ class Fidgets:
         self._hz = gesture.hz * rng.uniform(0.7, 1.4)
         self._weight = np.ones(2) if gesture.arms == "both" else np.eye(2)[rng.integers(2)]
         self._origin = self._start
-        self._stop = self._start + round(rng.uniform(1.5, 6.0) / DT)
+        long = rng.random() < 0.3  # kept through whatever else is done meanwhile
+        self._stop = self._start + round(rng.uniform(*((8.0, 20.0) if long else (1.5, 6.0))) / DT)
 
     def __call__(self, steps: int) -> tuple[Array, Array]:
         """The next T frames: pose (T, 2, 4) rad and weight (T, 2) in [0, 1]."""

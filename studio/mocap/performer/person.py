@@ -21,6 +21,16 @@ def _pair(x: float = 0.0) -> Array:
     return np.full(2, x)
 
 
+# Arms while squatting, (fwd, out, twist, flex); "hang" is the person's own way.
+SQUAT_ARMS: dict[str, Array] = {
+    "hang": np.zeros(4),
+    "forward": np.radians([75.0, 8.0, 5.0, 10.0]),
+    "clasp": np.radians([30.0, 25.0, 45.0, 110.0]),
+    "hips": np.radians([-15.0, 42.0, 50.0, 95.0]),
+    "overhead": np.radians([75.0, 105.0, 0.0, 20.0]),
+}
+
+
 @dataclass(frozen=True, kw_only=True)
 class Habits:
     """How one person moves. Angles in rad; pairs are (right, left); arms (fwd, out, twist, flex).
@@ -36,7 +46,7 @@ class Habits:
     # standing
     slouch: float = 0.05
     knee_rest: float = 0.10
-    shank_share: float = 0.5  # share of the knee angle that the ankle takes
+    shank_share: float = 0.5  # share of the resting knee's angle that the ankle takes
     sway: float = 1.0
     facing: float = 0.0
     # trunk
@@ -76,6 +86,9 @@ class Habits:
     jog_kick: float = 0.8
     arm_swing: float = 0.4
     march_flex: float = 0.5
+    march_out: float = 0.05
+    march_lean: float = 0.03
+    tuck: float = 0.5  # share of the way that a lifted foot comes in under its hip
     weight_shift: float = 0.035
     bob: float = 0.02
     march_sway: float = 0.04
@@ -156,15 +169,16 @@ def _habits(rng: np.random.Generator) -> Habits:
 
     chair = rng.random() < 0.3
     straight = rng.random() < 0.6
+    spread = deg(4, 20) if rng.random() < 0.8 else deg(20, 38)
     return Habits(
         follow_s=u(0.08, 0.22),
         change_s=u(0.7, 1.5),
         slouch=deg(-3, 10),
-        knee_rest=deg(3, 14),
-        shank_share=u(0.42, 0.55),
+        knee_rest=deg(3, 24),
+        shank_share=u(0.4, 0.75),
         sway=u(0.4, 1.8),
         facing=float(np.clip(rng.normal(0.0, 0.1), -0.25, 0.25)),
-        gain=np.array([u(0.65, 1.1), u(1.3, 2.2), u(0.6, 1.0), u(1.0, 1.8)]),
+        gain=np.array([u(0.65, 1.1), u(1.3, 2.2), u(0.6, 1.0), u(1.0, 2.3)]),
         sit_gain=np.array([u(1.2, 2.2), u(1.3, 2.4), u(0.9, 1.8), u(1.6, 3.5)]),
         hips_yaw=float(rng.choice([u(0.0, 0.2), u(0.3, 0.7)])),
         hips_roll=u(0.0, 0.5),
@@ -172,14 +186,14 @@ def _habits(rng: np.random.Generator) -> Habits:
         head_share=u(-0.2, 0.7),
         crouch_knee=deg(48, 69),
         crouch_lean=deg(0, 25),
-        squat_knee=deg(92, 103) if chair else deg(98, 135),
-        squat_shank=deg(-8, 10) if chair else deg(20, 38),
+        squat_knee=deg(92, 103) if chair else deg(98, 146),
+        squat_shank=deg(-8, 10) if chair else deg(18, 40),
         squat_lean=deg(-5, 18) if chair else deg(18, 50),
         squat_dive=deg(10, 35) if chair else deg(0, 15),
-        heels_up=deg(0, 30) if not chair and rng.random() < 0.25 else 0.0,
+        heels_up=deg(5, 30) if not chair and rng.random() < 0.3 else 0.0,
         knees_out=deg(0, 25),
-        squat_arms=str(rng.choice(["hang", "forward", "clasp", "hips"], p=[0.5, 0.25, 0.15, 0.1])),
-        hang=np.array([deg(-8, 15), deg(4, 20), deg(0, 45), deg(5, 40)]),
+        squat_arms=str(rng.choice(list(SQUAT_ARMS), p=[0.4, 0.2, 0.2, 0.1, 0.1])),
+        hang=np.array([deg(-10, 15), spread, deg(0, 45), deg(5, 40) + 1.2 * (spread - 0.2)]),
         arm_gravity=u(0.3, 1.0),
         raised_gravity=u(0.0, 0.4),
         raise_top=np.radians(rng.uniform(158, 178) + rng.uniform(-4, 4, 2)),
@@ -196,10 +210,13 @@ def _habits(rng: np.random.Generator) -> Habits:
         shin_back=deg(-12, 25),
         jog_kick=deg(10, 70),
         arm_swing=deg(0, 45) if rng.random() < 0.75 else 0.0,
-        march_flex=deg(5, 100),
+        march_flex=deg(5, 110),
+        march_out=deg(0, 10) if rng.random() < 0.6 else deg(10, 40),
+        march_lean=deg(-6, 12),
+        tuck=u(0.2, 0.9),
         weight_shift=u(0.01, 0.06),
         bob=u(0.0, 0.035),
-        march_sway=deg(0, 5),
+        march_sway=deg(0, 9),
         turn_yaw=u(1.4, 3.0),
         turn_lean=u(-0.2, 0.5) if rng.random() < 0.65 else u(0.6, 1.4),
         timing=u(0.0, 0.02),

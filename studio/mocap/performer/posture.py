@@ -26,8 +26,9 @@ class Posture:
     pelvis_shift: (T, 2) m, forward and left, on top of what the legs say. pelvis_drop: (T,) m.
     pelvis_rpy, trunk_rpy, head_rpy: (T, 3). heel: (T,) both feet up on their toes.
     lift, lift_knee: (T, 2) thigh and knee flexion that a swinging leg adds. swing: (T, 2) in
-    [0, 1], how much a foot is off the floor. point: (T, 2) toes pointed down in swing.
-    knees_out: (T,). arms: (T, 2, 4) upper arm raised forward, outward, twist, elbow flexion.
+    [0, 1], how much a foot is off the floor. tuck: (T, 2) share of the way it comes in under its
+    hip. point: (T, 2) toes pointed down in swing. knees_out: (T,).
+    arms: (T, 2, 4) upper arm raised forward, outward, twist of the upper arm, elbow flexion.
     arm_free: (T, 2) share of the trunk's roll and pitch that the hanging arm does not follow.
     """
 
@@ -42,6 +43,7 @@ class Posture:
     lift: Array
     lift_knee: Array
     swing: Array
+    tuck: Array
     point: Array
     knees_out: Array
     arms: Array
@@ -60,10 +62,10 @@ def joints(body: Body, posture: Posture) -> Array:
     up = np.array([0.0, 0.0, 1.0])
     trunk_quat = spatial.quat_from_rpy(posture.trunk_rpy)
     chest = pelvis + body.trunk * spatial.quat_rotate(trunk_quat, np.broadcast_to(up, (steps, 3)))
-    neck_rpy = posture.trunk_rpy + 0.5 * posture.head_rpy
-    neck = chest + body.neck * _rotate(neck_rpy, np.broadcast_to(up, (steps, 3)))
-    head_dir = np.broadcast_to(spatial.normalize([0.12, 0.0, 1.0]), (steps, 3))
-    head = neck + body.head * _rotate(posture.trunk_rpy + posture.head_rpy, head_dir)
+    # As every source is mapped: the neck lies on the line from chest to head.
+    head_dir = np.broadcast_to(spatial.normalize([0.1, 0.0, 1.0]), (steps, 3))
+    to_head = _rotate(posture.trunk_rpy + posture.head_rpy, head_dir)
+    neck, head = chest + body.neck * to_head, chest + (body.neck + body.head) * to_head
     trunk = ("pelvis", pelvis), ("spine", 0.5 * (pelvis + chest)), ("chest", chest)
     for name, pos in (*trunk, ("neck", neck), ("head", head)):
         out[:, INDEX[name]] = pos
@@ -113,6 +115,7 @@ def _legs(body: Body, p: Posture, out: Array) -> Array:
     )
     ankle = planted + forward[..., None] * face[:, None]
     ankle[..., 2] += np.maximum(upward, 0.0)
+    ankle[..., 1] += p.tuck * (hip[..., 1] - planted[..., 1])
     knee, ankle = _bend(hip, ankle, _knee_axis(toe_out, p, steps), body)
 
     # The swinging foot hangs by its toes as far as the floor lets it.
