@@ -162,7 +162,7 @@ def max_joint_speed_deg_s(joint_pos: ArrayLike, dt: float) -> float:
 
 
 def fallen(trunk_contact: ArrayLike, base_quat: ArrayLike, reference_quat: ArrayLike) -> NDArray:
-    """Whether (...,) the trunk touches something, or the tilt is 60 degrees from the reference's."""
+    """Trunk on something, or tilt over 60 degrees from the reference's: bools (...)."""
     tilt = orientation_error(base_quat, reference_quat)
     return np.asarray(trunk_contact, dtype=bool) | (np.degrees(tilt) > FALLEN_TILT_DEG)
 
