@@ -28,7 +28,7 @@ def smoothstep(x: ArrayLike) -> Array:
 
 
 def contact_label(sole_height: ArrayLike, speed: ArrayLike) -> Array:
-    """Label (...) in [0, 1] of soles at height (...) m moving at (...) m/s; below the floor is 0 m."""
+    """Label (...) in [0, 1] of soles at height (...) m moving at (...) m/s; below floor is 0."""
     height = np.asarray(sole_height, dtype=np.float64)
     return smoothstep(1.0 - height / HEIGHT) * smoothstep(1.0 - np.asarray(speed) / SPEED)
 

@@ -1,8 +1,8 @@
 """Random marches: bouts of steps and pauses to phase, cadence, lift, speed and turn over time.
 
-A bout begins and ends with all feet on the floor (phase 0.475 or 0.975, where neither crawl nor trot
-swings one), speeds up and slows down smoothly, and covers a whole number of half strides, as people
-do who march in place.
+A bout begins and ends with all feet on the floor (gait.REST_PHASE) and covers a whole number of
+half strides, as people do who march in place: the legs are at full tempo from the first step, while
+the lift, and with it the speed, grows over the first step or two and falls over the last.
 """
 
 from dataclasses import dataclass
@@ -17,20 +17,22 @@ from studio.reference.tracks import frames_in, make_track
 
 Array = NDArray[np.float64]
 
-REST_PHASE = 0.475
-"""Phase (and half a stride on) at which every foot stands, at any cadence."""
+_TEMPO_RAMP = 0.06  # strides: how soon the legs are at full tempo
 
 
 @dataclass(frozen=True, kw_only=True)
 class Bout:
-    """Half strides at a cadence (1/s), with a lift, a turn (rad/s), then a pause (s)."""
+    """Half strides at a cadence (1/s), with a lift, a turn (rad/s), then a pause (s).
+
+    ramp: s over which lift, speed and turn come and go.
+    """
 
     half_strides: int
     cadence: float
     lift: float
     turn: float = 0.0
     pause: float = 0.0
-    ramp: float = 0.4
+    ramp: float = 0.6
 
 
 def march_track(
@@ -39,19 +41,19 @@ def march_track(
     """The track (30 Hz) of these bouts after `lead` s of standing; stands when they are over."""
     length = frames_in(seconds)
     t = np.arange(length) / 30.0
-    phase = np.full(length, REST_PHASE)
+    phase = np.full(length, gait.REST_PHASE)
     cadence, lift, turn = np.zeros(length), np.zeros(length), np.zeros(length)
     begin = lead
     for bout in bouts:
         at_speed = 0.5 * bout.half_strides / bout.cadence
-        ramp = min(bout.ramp, at_speed)
-        end = begin + at_speed + ramp
-        up, down = (t - begin) / ramp, (end - t) / ramp
+        start = _TEMPO_RAMP / bout.cadence
+        end = begin + at_speed + start
+        up, down = (t - begin) / start, (end - t) / start
         cadence += bout.cadence * smoothstep(np.minimum(up, down))
         # The integral of the cadence: exactly half_strides / 2 at the end.
-        gone = _ramp_integral(up) - _ramp_integral(1.0 - down)
-        phase += bout.cadence * ramp * gone
-        share = smoothstep(np.minimum(up + 0.5, down + 0.5))
+        phase += bout.cadence * start * (_ramp_integral(up) - _ramp_integral(1.0 - down))
+        ramp = min(bout.ramp, 0.5 * at_speed)
+        share = smoothstep(np.minimum(t - begin + 0.2 * ramp, end - t + 0.2 * ramp) / ramp)
         lift = np.maximum(lift, bout.lift * share)
         turn += bout.turn * share
         begin = end + bout.pause

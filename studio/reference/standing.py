@@ -109,7 +109,7 @@ def _com_xy(base: Array, quat: Array, joints: Array) -> Array:
 
 
 def _legs(base: Array, quat: Array, reach: Array, side: Array) -> tuple[Array, Array]:
-    """Joint angles (T, 12), feet on the floor but for raised paws, and the worst foot error (T,)."""
+    """Joint angles (T, 12), feet on the floor but for raised paws, and the worst error (T,) m."""
     u = np.clip((reach - LIFT_FROM) / (1.0 - LIFT_FROM), 0.0, 1.0)
     feet = np.broadcast_to(_FEET, (len(base), 4, 3)).copy()
     feet[:, :2, 2] += _CLEAR * smoothstep(u / 0.2)

@@ -21,7 +21,7 @@ def _draw(rng: np.random.Generator, seconds: float, difficulty: float) -> Intent
             lift=draw.lift(rng, cadence, gait.MAX_SPEED * size),
             turn=float(rng.uniform(-1.0, 1.0) * MAX_TURN * size) if rng.random() < 0.3 else 0.0,
             pause=float(rng.uniform(0.1, 1.5)),
-            ramp=float(rng.uniform(0.25, 0.6)),
+            ramp=float(rng.uniform(0.3, 1.0)),
         )
         bouts.append(bout)
         gone += 0.5 * bout.half_strides / cadence + bout.pause

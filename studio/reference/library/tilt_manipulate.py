@@ -1,4 +1,4 @@
-"""Stand on three legs, reach with a front paw and tilt the trunk at once: a far larger workspace."""
+"""Stand on three legs, reach with a paw and tilt the trunk at once: a far larger workspace."""
 
 from dataclasses import replace
 

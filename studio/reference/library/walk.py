@@ -16,7 +16,7 @@ def _draw(rng: np.random.Generator, seconds: float, difficulty: float) -> Intent
         half_strides=int(np.ceil(2.0 * seconds * cadence)),
         cadence=cadence,
         lift=draw.lift(rng, cadence, top),
-        ramp=float(rng.uniform(0.3, 1.0)),
+        ramp=float(rng.uniform(0.4, 1.2)),
     )
     crouch = float(rng.uniform(0.0, 1.0)) if rng.random() < 0.3 else 0.0
     return march_track("walk", seconds, [bout], lead=float(rng.uniform(0.1, 0.6)), crouch=crouch)
