@@ -1,0 +1,336 @@
+"""The vectorised environment: actions (N, 12) → observations, rewards, ends, over sim.batch."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import spatial
+from studio.imitation import reward, termination
+from studio.imitation.action import ActionConfig, clip_action, pd_target
+from studio.imitation.bank import MotionBank, heading_feet
+from studio.imitation.curriculum import Curriculum, stages
+from studio.imitation.noise import NoiseConfig, ReferenceNoise
+from studio.imitation.observation import (
+    History,
+    ObservationConfig,
+    level_quat,
+    levelled,
+    sensor_frame,
+)
+from studio.imitation.reward import RewardConfig
+from studio.robot import a1, kinematics
+from studio.sim import randomize
+from studio.sim.actuation import LowPass, limit_target
+from studio.sim.batch import BatchConfig, BatchWorld
+
+Array = NDArray[np.float64]
+TRACKED_FOOT_M = 0.08
+TRACKED_TILT = np.deg2rad(15.0)
+PRIVILEGED_DIM = 65
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnvConfig:
+    """One environment's settings, saved beside the weights trained in it.
+
+    anchor_tau: s, leak of the re-anchored root. push: m/s, largest kick, at full randomisation,
+    and push_every its mean interval in s. noise_scale: of reference noise. evaluation: motions in
+    order from their first frame, full randomisation, no kicks, fallen robots stay out.
+    """
+
+    num_envs: int = 512
+    threads: int = 0
+    observation: ObservationConfig = field(default_factory=ObservationConfig)
+    action: ActionConfig = field(default_factory=ActionConfig)
+    reward: RewardConfig = field(default_factory=RewardConfig)
+    noise: NoiseConfig = field(default_factory=NoiseConfig)
+    noise_scale: float = 1.0
+    anchor_tau: float = 0.5
+    push: float = 0.4
+    push_every: float = 4.0
+    init_joint_noise: float = 0.03
+
+
+class ImitationEnv:
+    """N robots that track references of one bank; one thread only.
+
+    After `step`, `metrics` holds this step's per-robot figures (see `_measure`).
+    """
+
+    def __init__(
+        self,
+        config: EnvConfig,
+        bank: MotionBank,
+        seed: int = 0,
+        curriculum: Curriculum | None = None,
+    ) -> None:
+        n = config.num_envs
+        self.config, self.bank, self.num_envs = config, bank, n
+        self.rng = np.random.default_rng(seed)
+        self.world = BatchWorld(
+            BatchConfig(num_envs=n, threads=config.threads, leg_contact=bank.state == "sit"),
+            seed=int(self.rng.integers(2**31)),
+        )
+        self.curriculum = curriculum or Curriculum(ladder=stages(bank.tasks))
+        self.level = np.array(level_quat(bank.state))
+        self.neutral = neutral_joints(bank)
+        self.history = History(n, config.observation)
+        self.noise = ReferenceNoise(n, config.noise, self.rng)
+        self.lowpass = LowPass(config.action.cutoff_hz)
+        self.lowpass.reset(np.zeros((n, 12)))
+        self.motion = np.zeros(n, dtype=np.intp)
+        self.frame = np.zeros(n, dtype=np.intp)
+        self.begin = np.zeros(n, dtype=np.intp)
+        self.anchor_pos = np.zeros((n, 2))
+        self.anchor_yaw = np.zeros(n)
+        self.tracked = np.zeros(n)
+        self.last_vel = np.zeros((n, 12))
+        self.bias = np.zeros((n, 14))
+        self.metrics: dict[str, Array] = {}
+        self.terms: dict[str, Array] = {}
+        self._noisy = np.zeros((n, 18))
+        self._choices = bank.choices(self.curriculum.stage)
+
+    # ── one step ────────────────────────────────────────────────────────────────────────────
+
+    def reset(self) -> NDArray[np.float32]:
+        """Every robot at a random frame of a random motion; observations (N, dim)."""
+        self._reset(np.arange(self.num_envs))
+        return self.history.observation()
+
+    def restart(self) -> None:
+        """Begin everything anew under the curriculum as it stands now (after a resume)."""
+        self._choices = self.bank.choices(self.curriculum.stage)
+        self.reset()
+
+    def step(
+        self, action: Array
+    ) -> tuple[NDArray[np.float32], Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
+        """Observations, rewards (N,), terminated (N,), truncated (N,), extras.
+
+        Robots that ended are already begun anew in the observations; extras["final_observation"]
+        and extras["final_ids"] keep what the truncated ones last saw, for bootstrapping, and
+        extras["final_privileged"] what their critic saw.
+        """
+        action = clip_action(np.asarray(action, dtype=np.float64))
+        target = pd_target(action, self._noisy[:, :12], self.neutral, self.config.action)
+        self.history.push_action(action)
+        target = limit_target(self.lowpass.step(target), self.world.target)
+        self._push()
+        self.world.step(target)
+        self._advance_anchor()
+        rewards = self._measure()
+        terminated = self._ended()
+        self.tracked += self.metrics["tracked"] * ~terminated
+        self.frame += 1
+        truncated = (self.frame >= self.bank.frames) & ~terminated
+        self.frame = np.minimum(self.frame, self.bank.frames - 1)
+        self._sense()
+        extras: dict[str, Any] = {}
+        late = np.flatnonzero(truncated)
+        if len(late):
+            extras["final_ids"] = late
+            extras["final_observation"] = self.history.observation()[late]
+            extras["final_privileged"] = self.privileged()[late]
+        done = np.flatnonzero(terminated | truncated)
+        if len(done):
+            extras["episode_tracked_ratio"] = self.tracked[done] / np.maximum(
+                self.bank.frames - self.begin[done], 1
+            )
+            extras["stage_changed"] = self.curriculum.record(extras["episode_tracked_ratio"])
+            if extras["stage_changed"]:
+                self._choices = self.bank.choices(self.curriculum.stage)
+            self._reset(done)
+        return self.history.observation(), rewards, terminated, truncated, extras
+
+    def privileged(self) -> NDArray[np.float32]:
+        """(N, PRIVILEGED_DIM): what only a critic may know."""
+        w, bank = self.world, self.bank
+        c, s = np.cos(self.yaw), np.sin(self.yaw)
+        v = w.base_lin_vel_w
+        forward = np.stack([c * v[:, 0] + s * v[:, 1], -s * v[:, 0] + c * v[:, 1], v[:, 2]], -1)
+        soon = np.minimum(self.frame + 3, bank.frames - 1)
+        reference = bank.joint_pos[self.motion, self.frame]
+        ahead = bank.joint_pos[self.motion, soon] - reference
+        feature = bank.feature[self.motion, self.frame]
+        later = bank.feature[self.motion, soon]
+        gap = self.anchor_pos - w.base_pos[:, :2]
+        local = np.stack([c * gap[:, 0] + s * gap[:, 1], -s * gap[:, 0] + c * gap[:, 1]], -1)
+        a = w.slope_axis
+        slope = np.stack([c * a[:, 0] + s * a[:, 1], -s * a[:, 0] + c * a[:, 1]], -1)
+        parts = [
+            forward,
+            w.base_pos[:, 2:3],
+            local,
+            spatial.wrap_angle(self.anchor_yaw - self.yaw)[:, None],
+            reference - w.joint_pos,
+            ahead,
+            w.joint_vel * 0.1,
+            feature[:, 12:],
+            later[:, 12:],
+            bank.contact[self.motion, soon],
+            w.dynamics_factors,
+            w.delay[:, None] * 60.0,
+            10.0 * slope,
+        ]
+        return np.concatenate(parts, axis=1, dtype=np.float32)
+
+    # ── inside ──────────────────────────────────────────────────────────────────────────────
+
+    @property
+    def yaw(self) -> Array:
+        """(N,) rad heading of the levelled trunks."""
+        return spatial.heading(levelled(self.world.base_quat, self.level))
+
+    def _reset(self, ids: NDArray[np.intp]) -> None:
+        n, bank, rng = len(ids), self.bank, self.rng
+        stage = self.curriculum.stage
+        self.motion[ids] = self._draw_motions(n)
+        self.begin[ids] = self._draw_frames(n)
+        drawn = randomize.draw(rng, n, self.world.num_links, stage.randomisation)
+        self.world.set_dynamics(ids, drawn)
+        m, f = self.motion[ids], self.begin[ids]
+        qpos = np.concatenate([bank.base_pos[m, f], bank.base_quat[m, f], bank.joint_pos[m, f]], 1)
+        qpos[:, 7:] += self.config.init_joint_noise * rng.standard_normal((n, 12))
+        qpos[:, 7:] = np.clip(qpos[:, 7:], a1.JOINT_LOWER, a1.JOINT_UPPER)
+        # A perturbed leg must not start inside the floor: lift the trunk by what it sinks in.
+        feet = kinematics.foot_pos_w(qpos[:, :3], qpos[:, 3:7], qpos[:, 7:])
+        qpos[:, 2] += np.maximum(a1.FOOT_RADIUS - feet[..., 2].min(axis=-1), 0.0)
+        qvel = np.concatenate(
+            [bank.lin_vel_w[m, f], bank.ang_vel_b[m, f], bank.joint_vel[m, f]], axis=1
+        )
+        self.world.reset(ids, qpos, qvel, bank.joint_pos[m, f])
+        self._reset_lowpass(ids, bank.joint_pos[m, f])
+        self.frame[ids] = f + 1
+        self.anchor_pos[ids] = qpos[:, :2]
+        self.anchor_yaw[ids] = bank.yaw[m, f]
+        self.tracked[ids] = 0.0
+        self.last_vel[ids] = qvel[:, 6:]
+        k = self.config.noise
+        sigma = np.concatenate([np.full(12, k.encoder_bias), np.full(2, k.imu_bias)])
+        self.bias[ids] = stage.randomisation * sigma * rng.standard_normal((n, 14))
+        clean = bank.feature[m, self.frame[ids]]
+        self._noisy[ids] = self.noise.reset(ids, clean, self.config.noise_scale)
+        self.history.reset(ids, self._sensors()[ids], self._noisy[ids])
+
+    def _reset_lowpass(self, ids: NDArray[np.intp], value: Array) -> None:
+        where = np.zeros(self.num_envs, dtype=bool)
+        where[ids] = True
+        rest = np.zeros((self.num_envs, 12))
+        rest[ids] = value
+        self.lowpass.reset(rest, where)
+
+    def _draw_motions(self, n: int) -> NDArray[np.intp]:
+        return self.rng.choice(self._choices, n)
+
+    def _draw_frames(self, n: int) -> NDArray[np.intp]:
+        # Reference-state initialisation: anywhere but the last second.
+        return self.rng.integers(0, self.bank.frames - 31, n)
+
+    def _push(self) -> None:
+        scale = self.curriculum.stage.randomisation * self.config.push
+        if scale <= 0.0:
+            return
+        ids = np.flatnonzero(
+            self.rng.random(self.num_envs) < a1.CONTROL_DT / self.config.push_every
+        )
+        angle = self.rng.uniform(0.0, 2.0 * np.pi, len(ids))
+        size = self.rng.uniform(0.0, scale, len(ids))
+        kick = np.stack([size * np.cos(angle), size * np.sin(angle), np.zeros(len(ids))], axis=1)
+        self.world.push(ids, kick)
+
+    def _sensors(self) -> Array:
+        """Noisy z (N, z) of every robot."""
+        w, k, rng = self.world, self.config.noise, self.rng
+        scale = self.curriculum.stage.randomisation
+        joints = w.joint_pos + self.bias[:, :12]
+        joints += scale * k.encoder * rng.standard_normal(joints.shape)
+        gyro = w.base_ang_vel_b + scale * k.gyro * rng.standard_normal((self.num_envs, 3))
+        z = sensor_frame(joints, w.imu_quat, gyro, self.level, self.config.observation.yaw_rate)
+        z[:, 12:14] += self.bias[:, 12:14]
+        return z
+
+    def _sense(self) -> None:
+        self._noisy = self.noise.step(self.bank.feature[self.motion, self.frame])
+        self.history.push(self._sensors(), self._noisy)
+
+    def _advance_anchor(self) -> None:
+        """Move the anchored reference by the reference's own velocity of this period."""
+        yaw_rate, forward, left = self.bank.feature[self.motion, self.frame][:, 15:18].T
+        self.anchor_yaw = self.anchor_yaw + yaw_rate * a1.CONTROL_DT
+        c, s = np.cos(self.anchor_yaw), np.sin(self.anchor_yaw)
+        move = np.stack([c * forward - s * left, s * forward + c * left], axis=-1)
+        self.anchor_pos = self.anchor_pos + move * a1.CONTROL_DT
+
+    def _measure(self) -> Array:
+        """Terms, metrics and reward of the period that just passed, against the clean reference.
+
+        Afterwards the anchor leaks towards the robot: x, y and yaw with the time constant
+        anchor_tau, because no sensor of the policy knows them.
+        """
+        w, bank, k = self.world, self.bank, self.config.reward
+        m, f = self.motion, self.frame
+        yaw = self.yaw
+        quat, ref_quat = w.base_quat, bank.base_quat[m, f]
+        ref_joint = bank.joint_pos[m, f]
+        feet = heading_feet(w.joint_pos, quat, yaw)
+        turn = self.anchor_yaw - bank.yaw[m, f]
+        half = np.stack([np.cos(turn / 2), 0 * turn, 0 * turn, np.sin(turn / 2)], axis=-1)
+        anchored = spatial.quat_mul(half, ref_quat)
+        root = np.concatenate([self.anchor_pos, bank.base_pos[m, f][:, 2:]], axis=1)
+        # The centre of mass along gravity onto the ground, seen from the trunk's origin.
+        g = self.world_gravity_direction()
+        drop = w.base_pos[:, 2:3] / np.maximum(-g[:, 2:], 0.2)
+        center = (g * drop)[:, :2]
+        c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
+        center = np.concatenate(
+            [c * center[:, :1] + s * center[:, 1:], -s * center[:, :1] + c * center[:, 1:]], 1
+        )
+        distance = reward.polygon_distance(center, feet[..., :2], bank.contact[m, f] > 0.5)
+        self.terms = {
+            "pose": reward.pose(w.joint_pos, ref_joint, k.pose),
+            "foot": reward.foot(feet, bank.feet[m, f], k.foot),
+            "root_pos": reward.root_pos(w.base_pos, root, k.root_pos),
+            "root_ori": reward.root_ori(spatial.quat_angle(anchored, quat), k.root_ori),
+            "support": reward.support(distance, k.support),
+            "acc": reward.acc(w.joint_vel, self.last_vel, a1.CONTROL_DT, k.acc),
+        }
+        self.last_vel = np.array(w.joint_vel)
+        tilt = termination.tilt_error(quat, ref_quat)
+        foot_error = np.linalg.norm(feet - bank.feet[m, f], axis=-1).mean(axis=-1)
+        v, ref = w.base_lin_vel_w, bank.feature[m, f]
+        cy, sy = np.cos(yaw), np.sin(yaw)
+        dv = np.stack([cy * v[:, 0] + sy * v[:, 1], -sy * v[:, 0] + cy * v[:, 1]], -1)
+        rate = spatial.quat_rotate(quat, w.base_ang_vel_b)[:, 2]
+        self.metrics = {
+            "joint_sq": np.mean((w.joint_pos - ref_joint) ** 2, axis=-1),
+            "foot_error": foot_error,
+            "tilt_error": tilt,
+            "height_error": np.abs(w.base_pos[:, 2] - bank.base_pos[m, f][:, 2]),
+            "velocity_error": np.linalg.norm(dv - ref[:, 16:18], axis=-1),
+            "yaw_rate_error": np.abs(rate - ref[:, 15]),
+            "tracked": ((foot_error < TRACKED_FOOT_M) & (tilt < TRACKED_TILT)).astype(float),
+        }
+        leak = a1.CONTROL_DT / self.config.anchor_tau
+        self.anchor_pos = self.anchor_pos + leak * (w.base_pos[:, :2] - self.anchor_pos)
+        self.anchor_yaw = self.anchor_yaw + leak * spatial.wrap_angle(yaw - self.anchor_yaw)
+        return reward.total(self.terms, k)
+
+    def world_gravity_direction(self) -> Array:
+        """(N, 3) unit gravity in the frame of the ground."""
+        return randomize.gravity(self.world.slope_axis, 1.0)
+
+    def _ended(self) -> NDArray[np.bool_]:
+        w = self.world
+        reference = self.bank.base_quat[self.motion, self.frame]
+        down = termination.fallen(w.base_pos, w.base_quat, reference)
+        return down | ~np.isfinite(w.qpos).all(axis=-1)
+
+
+def neutral_joints(bank: MotionBank) -> Array:
+    """(12,) rad neutral joint angles of the bank's state."""
+    from studio.reference.stances import NEUTRAL
+
+    return NEUTRAL[bank.state].joint_pos

@@ -1,0 +1,142 @@
+"""Sensors, references and past actions → the policy's observation, the same live and in training.
+
+o_t = [z_{t-3..t}, a_{t-3..t-1}, p̄_{t-3..t}] (the paper's section on motion imitation), oldest
+first. z: 12 joint angles, roll, pitch, their rates and, by default, the gyro's yaw rate. p̄: 12
+joint angles, base height, roll, pitch, yaw rate, planar velocity in the reference's heading frame.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import spatial
+from studio.reference.intent import StateName
+
+Array = NDArray[np.float64]
+
+FRAMES = 4
+"""Frames of z and of the reference in an observation."""
+PAST_ACTIONS = 3
+ACTION_DIM = 12
+REFERENCE_DIM = 18
+
+
+@cache
+def level_quat(state: StateName) -> tuple[float, float, float, float]:
+    """wxyz of the state's neutral trunk pitch, T_level_base.
+
+    Tilt is measured about the neutral pose of a state: a sitting trunk is nearly vertical, where
+    heading, roll and pitch of the trunk itself are singular.
+    """
+    from studio.reference.stances import NEUTRAL
+
+    w, x, y, z = NEUTRAL[state].base_quat
+    return float(w), float(x), float(y), float(z)
+
+
+def levelled(base_quat: Array, level: Array) -> Array:
+    """(N, 4) T_world_level: the trunk's orientation with the neutral tilt `level` taken off."""
+    return spatial.quat_mul(base_quat, spatial.quat_conj(level))
+
+
+def roll_pitch(quat: Array) -> Array:
+    """(N, 2) rad, roll and pitch of (N, 4) against the vertical of its own world."""
+    w, x, y, z = quat[..., 0], quat[..., 1], quat[..., 2], quat[..., 3]
+    roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
+    pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
+    return np.stack([roll, pitch], axis=-1)
+
+
+def sensor_frame(
+    joint_pos: Array, imu_quat: Array, gyro_b: Array, level: Array, yaw_rate: bool = True
+) -> Array:
+    """z_t (N, 17), or the paper's (N, 16) without `yaw_rate`.
+
+    joint_pos: (N, 12) rad. imu_quat: (N, 4), trunk in a frame whose z opposes gravity. gyro_b:
+    (N, 3) rad/s, body. level: (4,) T_level_base of the state. The rates are those about the
+    levelled trunk's x, y and z.
+    """
+    tilt = roll_pitch(levelled(imu_quat, level))
+    rates = spatial.quat_rotate(np.broadcast_to(level, imu_quat.shape), gyro_b)
+    return np.concatenate([joint_pos, tilt, rates if yaw_rate else rates[..., :2]], axis=-1)
+
+
+def reference_frame(
+    joint_pos: Array,
+    base_height: Array,
+    base_quat: Array,
+    base_lin_vel_w: Array,
+    base_ang_vel_b: Array,
+    level: Array,
+) -> Array:
+    """p̄_t (N, 18) of reference poses with leading axis N: nothing in it needs odometry."""
+    quat = levelled(base_quat, level)
+    yaw = spatial.heading(quat)
+    c, s = np.cos(yaw), np.sin(yaw)
+    vx, vy = base_lin_vel_w[..., 0], base_lin_vel_w[..., 1]
+    rate_w = spatial.quat_rotate(base_quat, base_ang_vel_b)
+    extras = [base_height, *np.moveaxis(roll_pitch(quat), -1, 0), rate_w[..., 2]]
+    extras += [c * vx + s * vy, -s * vx + c * vy]
+    return np.concatenate([joint_pos, np.stack(extras, axis=-1)], axis=-1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObservationConfig:
+    """What the policy sees. yaw_rate: add the gyro's yaw rate to z (the paper: no)."""
+
+    yaw_rate: bool = True
+
+    @property
+    def sensor_dim(self) -> int:
+        """Length of one z."""
+        return 17 if self.yaw_rate else 16
+
+    @property
+    def dim(self) -> int:
+        """Length of an observation."""
+        return FRAMES * (self.sensor_dim + REFERENCE_DIM) + PAST_ACTIONS * ACTION_DIM
+
+    def manifest(self) -> list[dict[str, object]]:
+        """Name, frames and length of each block in order, for whoever runs the policy alone."""
+        z = "joint_pos[12] roll pitch roll_rate pitch_rate" + (" yaw_rate" if self.yaw_rate else "")
+        p = "joint_pos[12] base_height roll pitch yaw_rate vel_forward vel_left"
+        return [
+            {"name": "z", "frames": "t-3..t", "fields": z, "size": FRAMES * self.sensor_dim},
+            {"name": "a", "frames": "t-3..t-1", "fields": "action[12]", "size": 36},
+            {"name": "p_ref", "frames": "t-3..t", "fields": p, "size": FRAMES * REFERENCE_DIM},
+        ]
+
+
+class History:
+    """The last frames of N robots; one thread only."""
+
+    def __init__(self, num_envs: int, config: ObservationConfig) -> None:
+        self.z = np.zeros((num_envs, FRAMES, config.sensor_dim))
+        self.actions = np.zeros((num_envs, PAST_ACTIONS, ACTION_DIM))
+        self.reference = np.zeros((num_envs, FRAMES, REFERENCE_DIM))
+
+    def reset(self, ids: NDArray[np.intp] | slice, z: Array, reference: Array) -> None:
+        """Fill the history of `ids` with one frame and no action."""
+        self.z[ids] = z[:, None]
+        self.reference[ids] = reference[:, None]
+        self.actions[ids] = 0.0
+
+    def push(self, z: Array, reference: Array) -> None:
+        """A new frame of every robot."""
+        self.z[:, :-1] = self.z[:, 1:]
+        self.z[:, -1] = z
+        self.reference[:, :-1] = self.reference[:, 1:]
+        self.reference[:, -1] = reference
+
+    def push_action(self, action: Array) -> None:
+        """The action (N, 12) decided on the present observation."""
+        self.actions[:, :-1] = self.actions[:, 1:]
+        self.actions[:, -1] = action
+
+    def observation(self) -> NDArray[np.float32]:
+        """o_t (N, dim) float32."""
+        n = len(self.z)
+        parts = [self.z.reshape(n, -1), self.actions.reshape(n, -1), self.reference.reshape(n, -1)]
+        return np.concatenate(parts, axis=1, dtype=np.float32)

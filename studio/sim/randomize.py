@@ -1,0 +1,86 @@
+"""Table I of the paper: how the dynamics of each simulation are drawn."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ranges:
+    """Full ranges; a scale in [0, 1] shrinks them towards the nominal robot.
+
+    mass, kp, kd: factors of the default (mass: each link on its own, its inertia with it).
+    friction: sliding coefficient between foot and ground. delay: s before a new target reaches
+    the motors. slope: rad of the ground, in any direction. period: relative change of every
+    control period (the paper names it among its limitations).
+    """
+
+    mass: tuple[float, float] = (0.75, 1.25)
+    friction: tuple[float, float] = (0.5, 1.5)
+    kp: tuple[float, float] = (0.7, 1.3)
+    kd: tuple[float, float] = (0.7, 1.3)
+    delay: tuple[float, float] = (0.0, 0.016)
+    slope: tuple[float, float] = (0.0, 0.14)
+    period: float = 0.1
+
+
+TABLE_I = Ranges()
+NOMINAL_FRICTION = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Dynamics:
+    """Drawn dynamics of N simulations.
+
+    mass: (N, B) factor per link. friction: (N,). kp, kd: (N,) factors. delay: (N,) s.
+    slope_axis: (N, 2) rad, rotation vector of the ground about world x and y. period: relative
+    jitter of the control period, drawn anew every step within ± this.
+    """
+
+    mass: Array
+    friction: Array
+    kp: Array
+    kd: Array
+    delay: Array
+    slope_axis: Array
+    period: float
+
+    def __len__(self) -> int:
+        return len(self.friction)
+
+
+def draw(
+    rng: np.random.Generator, num: int, num_links: int, scale: float = 1.0, ranges: Ranges = TABLE_I
+) -> Dynamics:
+    """Uniform draws of Table I, its ranges shrunk by `scale` about the nominal values."""
+
+    def around(low_high: tuple[float, float], nominal: float, *shape: int) -> Array:
+        low, high = (nominal + scale * (bound - nominal) for bound in low_high)
+        return rng.uniform(low, high, (num, *shape))
+
+    slope = around(ranges.slope, 0.0)
+    direction = rng.uniform(0.0, 2.0 * np.pi, num)
+    return Dynamics(
+        mass=around(ranges.mass, 1.0, num_links),
+        friction=around(ranges.friction, NOMINAL_FRICTION),
+        kp=around(ranges.kp, 1.0),
+        kd=around(ranges.kd, 1.0),
+        delay=around(ranges.delay, 0.0),
+        slope_axis=np.stack([np.cos(direction), np.sin(direction)], axis=-1) * slope[:, None],
+        period=ranges.period * scale,
+    )
+
+
+def gravity(slope_axis: Array, g: float = 9.81) -> Array:
+    """(N, 3) gravity in the frame of the ground for slopes given as rotation vectors (N, 2).
+
+    A plane tilted by R is the same world as a level plane under gravity R^T g.
+    """
+    angle = np.linalg.norm(slope_axis, axis=-1)
+    unit = slope_axis / np.maximum(angle, 1e-12)[:, None]
+    # R^T (0, 0, -g) about a horizontal unit axis (ux, uy): Rodrigues on the z axis.
+    s, c = np.sin(angle), np.cos(angle)
+    return g * np.stack([s * unit[:, 1], -s * unit[:, 0], -c], axis=-1)

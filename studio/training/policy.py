@@ -1,0 +1,493 @@
+"""References of one state → a policy that tracks them: PPO over the vectorised environment.
+
+Reads top to bottom: settings, the environment as rsl-rl sees it, one iteration, the run.
+"""
+
+import contextlib
+import io
+import json
+import logging
+import subprocess
+import time
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Literal, cast
+
+import numpy as np
+import torch
+from rsl_rl.algorithms import PPO
+from tensordict import TensorDict
+
+from studio.errors import StudioError, unknown_name
+from studio.imitation.action import ActionConfig, ActionMode
+from studio.imitation.bank import build_bank
+from studio.imitation.curriculum import Curriculum, stages
+from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.observation import ObservationConfig, level_quat
+from studio.imitation.policy import MODELS, manifest_of, save_policy
+from studio.imitation.symmetry import (
+    JOINT_INDEX,
+    JOINT_SIGN,
+    observation_mirror,
+    privileged_mirror,
+)
+from studio.reference.intent import STATES, StateName
+from studio.training import checkpoint
+
+log = logging.getLogger(__name__)
+Preset = Literal["default", "paper"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PpoConfig:
+    """PPO's own figures; `PAPER` holds those of the paper."""
+
+    horizon: int = 24
+    epochs: int = 4
+    minibatch: int = 4096
+    clip: float = 0.2
+    learning_rate: float = 5e-4
+    desired_kl: float | None = 0.01
+    gamma: float = 0.95
+    lam: float = 0.95
+    entropy: float = 0.0005
+    max_grad_norm: float = 1.0
+    init_std: float = 0.2
+    hidden: tuple[int, ...] = (256, 256)
+    mirror: bool = True
+
+
+PAPER = PpoConfig(
+    horizon=128,
+    epochs=10,
+    minibatch=128,
+    learning_rate=5e-5,
+    desired_kl=None,
+    max_grad_norm=0.5,
+    entropy=0.0,
+    mirror=False,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PolicyTraining:
+    """`a1-studio train policy`.
+
+    state: which expert. samples: control steps in all, over every environment and every resumed
+    part. hours: stop earlier, after so long. threads: of physics and learner, 0 for every core.
+    run: folder of checkpoint, curve and TensorBoard files (default runs/policy-STATE). resume: go
+    on from the run's checkpoint, or from `checkpoint`. out: where the weights go (default
+    models/policy/STATE.safetensors when `publish`, always the run's folder). curriculum,
+    randomise, mirror, yaw_rate, action: what the ablations switch.
+    """
+
+    state: StateName
+    preset: Preset = "default"
+    samples: int = 30_000_000
+    hours: float = 100.0
+    num_envs: int = 512
+    threads: int = 0
+    seed: int = 0
+    run: Path | None = None
+    resume: bool = False
+    checkpoint: Path | None = None
+    publish: bool = False
+    curriculum: bool = True
+    randomise: bool = True
+    yaw_rate: bool = True
+    action: ActionMode = "residual"
+    motions_per_task: int = 40
+    checkpoint_seconds: float = 60.0
+    ppo: PpoConfig = field(default_factory=PpoConfig)
+
+    def __post_init__(self) -> None:
+        if self.state not in STATES:
+            raise unknown_name("state", self.state, STATES)
+        if self.num_envs < 2 or self.samples < 1:
+            raise StudioError("train policy needs --num-envs of at least 2 and positive --samples")
+
+    @property
+    def folder(self) -> Path:
+        """The run's folder."""
+        return self.run or Path("runs") / f"policy-{self.state}"
+
+
+class TorchEnv:
+    """The environment as rsl-rl's algorithm reads it: tensors, `num_envs`, `num_actions`."""
+
+    num_actions = 12
+
+    def __init__(self, env: ImitationEnv) -> None:
+        self.env, self.num_envs = env, env.num_envs
+        self._mirror = {
+            "actor": _tensors(observation_mirror(env.config.observation)),
+            "privileged": _tensors(privileged_mirror()),
+            "action": _tensors((JOINT_INDEX, JOINT_SIGN)),
+        }
+
+    def tensors(self, actor: np.ndarray, privileged: np.ndarray) -> TensorDict:
+        """Groups "actor" and "privileged"; the critic sees both."""
+        groups = {"actor": torch.from_numpy(actor), "privileged": torch.from_numpy(privileged)}
+        return TensorDict(groups, batch_size=[len(actor)])
+
+    def present(self) -> TensorDict:
+        """What is observed now."""
+        return self.tensors(self.env.history.observation(), self.env.privileged())
+
+    def mirrored(
+        self, env: Any, obs: TensorDict | None, actions: torch.Tensor | None
+    ) -> tuple[TensorDict | None, torch.Tensor | None]:
+        """rsl-rl's augmentation: the batch, then the same batch seen in a mirror."""
+        both = None
+        if obs is not None:
+            groups = {
+                k: _with_mirror(cast(torch.Tensor, obs[k]), *self._mirror[k]) for k in obs.keys()
+            }  # noqa: SIM118
+            both = TensorDict(groups, batch_size=[2 * obs.batch_size[0]])
+        return both, None if actions is None else _with_mirror(actions, *self._mirror["action"])
+
+
+def _tensors(index_sign: tuple[np.ndarray, np.ndarray]) -> tuple[torch.Tensor, torch.Tensor]:
+    index, sign = index_sign
+    return torch.as_tensor(index), torch.as_tensor(sign, dtype=torch.float32)
+
+
+def _with_mirror(x: torch.Tensor, index: torch.Tensor, sign: torch.Tensor) -> torch.Tensor:
+    return torch.cat([x, x[..., index] * sign])
+
+
+def make_environment(
+    config: PolicyTraining, cache: Path | None = Path("runs/banks")
+) -> ImitationEnv:
+    """Bank, curriculum and environment of a run."""
+    bank = build_bank(config.state, per_task=config.motions_per_task, seed=config.seed, cache=cache)
+    ladder = stages(bank.tasks)
+    if not config.randomise:
+        ladder = [s for s in ladder if s.randomisation == 0.0]
+    curriculum = Curriculum(ladder=ladder)
+    if not config.curriculum:
+        curriculum.finish()
+    settings = EnvConfig(
+        num_envs=config.num_envs,
+        threads=config.threads,
+        observation=ObservationConfig(yaw_rate=config.yaw_rate),
+        action=ActionConfig(mode=config.action),
+    )
+    return ImitationEnv(settings, bank, seed=config.seed, curriculum=curriculum)
+
+
+def make_algorithm(env: TorchEnv, ppo: PpoConfig) -> PPO:
+    """rsl-rl's PPO with an asymmetric critic, observation normalisation and mirrored copies."""
+    network = {
+        "class_name": "rsl_rl.models:MLPModel",
+        "hidden_dims": list(ppo.hidden),
+        "activation": "relu",
+        "obs_normalization": True,
+    }
+    gaussian = {
+        "class_name": "rsl_rl.modules.distribution:GaussianDistribution",
+        "init_std": ppo.init_std,
+        "std_type": "log",
+    }
+    batch = env.num_envs * ppo.horizon
+    algorithm: dict[str, Any] = {
+        "class_name": "rsl_rl.algorithms:PPO",
+        "num_learning_epochs": ppo.epochs,
+        "num_mini_batches": max(batch // ppo.minibatch, 1),
+        "clip_param": ppo.clip,
+        "gamma": ppo.gamma,
+        "lam": ppo.lam,
+        "entropy_coef": ppo.entropy,
+        "learning_rate": ppo.learning_rate,
+        "max_grad_norm": ppo.max_grad_norm,
+        "schedule": "adaptive" if ppo.desired_kl else "fixed",
+        "desired_kl": ppo.desired_kl,
+    }
+    if ppo.mirror:
+        # A plain function: the settings are deep-copied, and the environment must not be.
+        algorithm["symmetry_cfg"] = {
+            "data_augmentation_func": lambda **batch: env.mirrored(**batch),
+            "use_data_augmentation": True,
+        }
+    settings = {
+        "num_steps_per_env": ppo.horizon,
+        "obs_groups": {"actor": ["actor"], "critic": ["actor", "privileged"]},
+        "actor": {**network, "distribution_cfg": gaussian},
+        "critic": dict(network),
+        "algorithm": algorithm,
+        "multi_gpu": None,
+    }
+    with contextlib.redirect_stdout(io.StringIO()):  # the library prints its models
+        alg = PPO.construct_algorithm(env.present(), cast(Any, env), settings, "cpu")
+    if alg.symmetry is not None:
+        # It would forward the whole mirrored batch once more for a figure nobody reads.
+        alg.symmetry.compute_loss = lambda *_: torch.zeros(())  # type: ignore[method-assign]
+    # A zero last layer: training starts as PD playback, not as noise about it.
+    last = [m for m in alg.actor.mlp.modules() if isinstance(m, torch.nn.Linear)][-1]
+    with torch.no_grad():
+        last.weight.mul_(0.01)
+        last.bias.zero_()
+    return alg
+
+
+class Figures:
+    """Means over a rollout of reward, terms, metrics and ends, by name."""
+
+    def __init__(self) -> None:
+        self.sums: dict[str, float] = {}
+        self.steps = 0
+        self.ratios: list[float] = []
+
+    def add(
+        self,
+        env: ImitationEnv,
+        rewards: np.ndarray,
+        terminated: np.ndarray,
+        truncated: np.ndarray,
+        extras: dict[str, Any],
+    ) -> None:
+        """One step's arrays."""
+        now = {"reward": rewards.mean(), "fall_rate": terminated.mean() * 30.0}
+        now |= {f"term/{k}": v.mean() for k, v in env.terms.items()}
+        now |= {f"metric/{k}": v.mean() for k, v in env.metrics.items()}
+        for name, value in now.items():
+            self.sums[name] = self.sums.get(name, 0.0) + float(value)
+        self.ratios += [float(r) for r in extras.get("episode_tracked_ratio", ())]
+        self.steps += 1
+
+    def means(self) -> dict[str, float]:
+        """Per-step means; joint RMSE in degrees; tracked-time ratio of the ended episodes."""
+        out = {k: v / self.steps for k, v in self.sums.items()}
+        out["joint_rmse_deg"] = float(np.rad2deg(np.sqrt(out.pop("metric/joint_sq"))))
+        if self.ratios:
+            out["tracked_time_ratio"] = float(np.mean(self.ratios))
+        return out
+
+
+def collect(alg: PPO, env: TorchEnv, obs: TensorDict, horizon: int) -> tuple[TensorDict, Figures]:
+    """One rollout into the algorithm's storage; the next observations and its mean figures."""
+    figures = Figures()
+    with torch.inference_mode():
+        for _ in range(horizon):
+            actions = alg.act(obs)
+            raw, rewards, terminated, truncated, extras = env.env.step(actions.numpy())
+            figures.add(env.env, rewards, terminated, truncated, extras)
+            rewards = torch.from_numpy(rewards).float()
+            if "final_ids" in extras:
+                # Time ran out, nothing failed: the return goes on with the value of what the
+                # robot last saw (rsl-rl itself would take the value of the state before).
+                last = env.tensors(extras["final_observation"], extras["final_privileged"])
+                value = alg.critic(last).squeeze(-1)
+                rewards[torch.from_numpy(extras["final_ids"])] += alg.gamma * value
+            obs = env.tensors(raw, env.env.privileged())
+            dones = torch.from_numpy(terminated | truncated).to(torch.uint8)
+            alg.process_env_step(obs, rewards, dones, {})
+        alg.compute_returns(obs)
+    return obs, figures
+
+
+# ── the run ─────────────────────────────────────────────────────────────────────────────────
+
+
+class PolicyTrainer:
+    """One run: environment, algorithm, counts. `step` is one iteration; one thread only."""
+
+    def __init__(self, config: PolicyTraining, env: ImitationEnv | None = None) -> None:
+        torch.manual_seed(config.seed)
+        self.config = config
+        self.ppo = PAPER if config.preset == "paper" else config.ppo
+        self.env = TorchEnv(env or make_environment(config))
+        self.env.env.reset()
+        self.alg = make_algorithm(self.env, self.ppo)
+        self.alg.train_mode()
+        self.samples, self.seconds, self.iteration = 0, 0.0, 0
+        self.curve: list[dict[str, float]] = []
+        self.obs = self.env.present()
+
+    def step(self) -> dict[str, float]:
+        """Collect, learn, count; this iteration's figures."""
+        began = time.perf_counter()
+        self.obs, figures = collect(self.alg, self.env, self.obs, self.ppo.horizon)
+        collected = time.perf_counter()
+        losses = self.alg.update()
+        spent = time.perf_counter() - began
+        self.samples += self.env.num_envs * self.ppo.horizon
+        self.seconds += spent
+        self.iteration += 1
+        return {
+            **figures.means(),
+            **{f"loss/{k}": float(v) for k, v in losses.items()},
+            "samples_per_second": self.env.num_envs * self.ppo.horizon / spent,
+            "collect_share": (collected - began) / spent,
+            "learning_rate": self.alg.learning_rate,
+            "action_std": float(self.alg.actor.distribution.log_std_param.detach().exp().mean()),
+            "stage": float(self.env.env.curriculum.level),
+        }
+
+    def save(self, path: Path) -> None:
+        """Everything, to one file."""
+        tensors = {f"actor.{k}": v for k, v in self.alg.actor.state_dict().items()}
+        tensors |= {f"critic.{k}": v for k, v in self.alg.critic.state_dict().items()}
+        tensors |= checkpoint.flatten_optimizer(self.alg.optimizer)
+        tensors["torch_random_state"] = torch.get_rng_state()
+        facts = {
+            "config": json.loads(json.dumps(asdict(self.config), default=str)),
+            "samples": self.samples,
+            "seconds": self.seconds,
+            "iteration": self.iteration,
+            "learning_rate": self.alg.learning_rate,
+            "curriculum": self.env.env.curriculum.state(),
+            "random_state": checkpoint.random_state(self.env.env.rng),
+            "curve": self.curve,
+        }
+        checkpoint.save(path, tensors, facts)
+
+    def restore(self, path: Path) -> None:
+        """Back to a checkpoint; the environments are drawn again under its curriculum."""
+        tensors, facts = checkpoint.load(path)
+        if facts["config"]["state"] != self.config.state:
+            raise StudioError(
+                f"{path} is of state {facts['config']['state']}, not {self.config.state}"
+            )
+        for name, model in (("actor", self.alg.actor), ("critic", self.alg.critic)):
+            own = {k[len(name) + 1 :]: v for k, v in tensors.items() if k.startswith(name + ".")}
+            try:
+                model.load_state_dict(own)
+            except RuntimeError as error:
+                raise StudioError(
+                    f"{path} was made with other settings; start without it"
+                ) from error
+        checkpoint.restore_optimizer(self.alg.optimizer, tensors)
+        self.alg.learning_rate = facts["learning_rate"]
+        for group in self.alg.optimizer.param_groups:
+            group["lr"] = self.alg.learning_rate
+        self.samples, self.seconds = int(facts["samples"]), float(facts["seconds"])
+        self.iteration, self.curve = int(facts["iteration"]), list(facts["curve"])
+        self.env.env.curriculum.load(facts["curriculum"])
+        self.env.env.restart()
+        self.env.env.rng.bit_generator.state = facts["random_state"]
+        torch.set_rng_state(tensors["torch_random_state"])
+        self.obs = self.env.present()
+
+    def tensors(self) -> dict[str, np.ndarray]:
+        """Normaliser and layers as Policy reads them."""
+        actor = self.alg.actor
+        linear = [m for m in actor.mlp.modules() if isinstance(m, torch.nn.Linear)]
+        normaliser = cast(Any, actor.obs_normalizer)
+        out = {
+            "mean": normaliser._mean.numpy()[0],
+            "std": normaliser._std.numpy()[0] + normaliser.eps,
+        }
+        for i, layer in enumerate(linear):
+            out[f"weight_{i}"] = layer.weight.detach().numpy()
+            out[f"bias_{i}"] = layer.bias.detach().numpy()
+        return {k: np.ascontiguousarray(v, dtype=np.float32) for k, v in out.items()}
+
+    def manifest(self, **facts: Any) -> dict[str, Any]:
+        """The sidecar: how to run the weights, and what they are made of."""
+        settings = self.env.env.config
+        return manifest_of(
+            self.config.state,
+            settings.observation,
+            settings.action,
+            np.array(level_quat(self.config.state)),
+            self.env.env.neutral,
+            samples=self.samples,
+            hours=round(self.seconds / 3600.0, 3),
+            seed=self.config.seed,
+            commit=commit(),
+            tasks=list(self.env.env.bank.tasks),
+            stage=self.env.env.curriculum.level,
+            stages=len(self.env.env.curriculum.ladder),
+            curve=self.curve,
+            **facts,
+        )
+
+
+def commit() -> str:
+    """The repository's commit, "" outside one."""
+    done = subprocess.run(
+        ["git", "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=False
+    )
+    return done.stdout.strip()
+
+
+def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
+    """Train until `samples` or `hours`; a checkpoint every minute; the object `--json` prints."""
+    from torch.utils.tensorboard.writer import SummaryWriter
+
+    if config.threads:
+        torch.set_num_threads(config.threads)
+    folder = config.folder
+    saved = folder / "checkpoint.safetensors"
+    trainer = PolicyTrainer(config)
+    if config.resume or config.checkpoint:
+        trainer.restore(config.checkpoint or saved)
+    writer = SummaryWriter(str(folder))
+    began = last_save = time.monotonic()
+    first = trainer.samples
+    figures: dict[str, float] = {}
+    while trainer.samples < config.samples and time.monotonic() - began < 3600.0 * config.hours:
+        figures = trainer.step()
+        for name, value in figures.items():
+            writer.add_scalar(name, value, trainer.samples)
+        _progress(config, trainer, figures, first, time.monotonic() - began)
+        if time.monotonic() - last_save > config.checkpoint_seconds:
+            last_save = time.monotonic()
+            _keep(trainer, figures, folder)
+    _keep(trainer, figures, folder)
+    writer.close()
+    if config.publish:
+        save_policy(
+            MODELS / f"{config.state}.safetensors", trainer.tensors(), trainer.manifest(scores={})
+        )
+    return {
+        "state": config.state,
+        "samples": trainer.samples,
+        "seconds": trainer.seconds,
+        "run": str(folder),
+        "stage": trainer.env.env.curriculum.level,
+        **figures,
+    }
+
+
+def _keep(trainer: PolicyTrainer, figures: dict[str, float], folder: Path) -> None:
+    """Checkpoint, weights and one point of the curve."""
+    keep = ("reward", "joint_rmse_deg", "tracked_time_ratio", "fall_rate", "stage")
+    point = {k: round(figures[k], 4) for k in keep if k in figures}
+    trainer.curve.append({"samples": trainer.samples, **point})
+    trainer.save(folder / "checkpoint.safetensors")
+    save_policy(folder / "policy.safetensors", trainer.tensors(), trainer.manifest(scores={}))
+
+
+def _progress(
+    config: PolicyTraining,
+    trainer: PolicyTrainer,
+    figures: dict[str, float],
+    first: int,
+    elapsed: float,
+) -> None:
+    """One line an iteration, with the time left."""
+    rate = (trainer.samples - first) / max(elapsed, 1e-9)
+    left = min((config.samples - trainer.samples) / rate, 3600.0 * config.hours - elapsed)
+    log.info(
+        "%s %.2f M of %.1f M, stage %d/%d, reward %.3f, joints %.2f deg, feet %.1f cm, "
+        "tilt %.1f deg, tracked %.3f, falls %.3f/s, std %.2f, lr %.0e, %.0f samples/s "
+        "(collect %.0f %%), %d min left",
+        config.state,
+        trainer.samples / 1e6,
+        config.samples / 1e6,
+        trainer.env.env.curriculum.level,
+        len(trainer.env.env.curriculum.ladder) - 1,
+        figures["reward"],
+        figures["joint_rmse_deg"],
+        100.0 * figures["metric/foot_error"],
+        np.rad2deg(figures["metric/tilt_error"]),
+        figures["metric/tracked"],
+        figures["fall_rate"],
+        figures["action_std"],
+        figures["learning_rate"],
+        figures["samples_per_second"],
+        100.0 * figures["collect_share"],
+        max(left, 0.0) / 60.0,
+    )
