@@ -36,11 +36,11 @@ _PELVIS, _CHEST = INDEX["pelvis"], INDEX["chest"]
 _LEG_BONES = np.array([BONES.index(b) for b in ("l_knee", "l_ankle", "r_knee", "r_ankle")])
 _MIRROR_BONES = np.array(MIRROR[1:]) - 1
 
-# What holds the heading: τ of its drift (s), how quickly a new person is taken up, and the
-# turn of the whole body past which the heading follows at once (nobody twists that far).
-_START_TAU, _START_SECONDS = 0.25, 1.0
-_DRIFT_TAU, _QUIET_TAU, _TURNED_TAU = 20.0, 2.0, 0.7
-_TURNED = math.radians(70.0)
+# Time constants (s) of the heading: a new person is taken up with START_TAU, then as a running
+# mean over all that was seen until that is as slow as DRIFT_TAU. Feet and hips turned by TURNED
+# are no twist but a turn on the spot: followed until FACED is left.
+_START_TAU, _DRIFT_TAU, _QUIET_TAU, _TURNED_TAU = 0.25, 20.0, 2.0, 0.7
+_TURNED, _FACED = math.radians(70.0), math.radians(10.0)
 _BUTTON_SECONDS = 0.5
 _QUIET_MEAN_TAU, _QUIET_DISTANCE = 0.5, 0.04
 
@@ -50,7 +50,8 @@ class Calibration:
     """What is known of a person; frozen, and replaced as more is seen.
 
     heading: rad, the way the person faces in the source's world (0 = +x, > 0 to the left).
-    bone_length: (18,) m, order of skeleton.BONES. seconds: how much was seen (0 = the template).
+    bone_length: (18,) m, order of skeleton.BONES. seconds: the weight of what was seen, in seconds
+    of motion: 0 for the template, 20 and more only drifts.
     """
 
     heading: float = 0.0
@@ -80,8 +81,9 @@ class Calibration:
 def body_heading(joint_pos_w: Array, confidence: Array) -> tuple[float, float]:
     """Heading (rad) of the lower body and its weight (m; 0 when it cannot be told).
 
-    The line of the hips plus, so that noise on so short a line matters less, both feet and a
-    little of the shoulders. A twist of the trunk moves the shoulders most and the feet not at all.
+    Both feet, the line of the hips, and a little of the shoulders, so that noise on one short
+    line matters less. In real twists of the trunk the shoulders turned 100 degrees, the hips 60,
+    the feet 15: what turns least weighs most.
     """
     # Plain floats: a handful of numbers is quicker so than as arrays.
     p, c = joint_pos_w.tolist(), confidence.tolist()
@@ -92,8 +94,8 @@ def body_heading(joint_pos_w: Array, confidence: Array) -> tuple[float, float]:
             fy -= share * (p[left][0] - p[right][0])
     for toe, ankle in ((_L_TOE, _L_ANKLE), (_R_TOE, _R_ANKLE)):
         if c[toe] >= SEEN and c[ankle] >= SEEN:
-            fx += 0.5 * (p[toe][0] - p[ankle][0])
-            fy += 0.5 * (p[toe][1] - p[ankle][1])
+            fx += p[toe][0] - p[ankle][0]
+            fy += p[toe][1] - p[ankle][1]
     return math.atan2(fy, fx), math.hypot(fx, fy)
 
 
@@ -123,8 +125,8 @@ def calibrate(poses: Iterable[HumanPose]) -> Calibration:
     told = [body_heading(pose.joint_pos_w, pose.confidence) for pose in kept]
     angles = np.array([angle for angle, weight in told if weight > 0.05])
     heading = _circular_median(angles) if len(angles) else 0.0
-    # At least a second: a scanned file is known from its first frame on.
-    seconds = max(kept[-1].t - kept[0].t, _START_SECONDS)
+    # However short, a file scanned as a whole is known from its first frame on.
+    seconds = max(kept[-1].t - kept[0].t, _DRIFT_TAU)
     return Calibration(heading=heading, bone_length=bone_length, seconds=seconds)
 
 
@@ -137,9 +139,9 @@ def _circular_median(angles: Array) -> float:
 class Calibrator:
     """Refines a calibration pose by pose; one per person, called by the loop's thread only.
 
-    Every push is one control period `dt`. A template start converges within a second, as a glide;
-    a scanned start only drifts (τ 20 s, quicker in quiet upright standing, at once when the whole
-    body has turned further than anyone twists). Repeats of a pose are the caller's to leave out.
+    Every push is one control period `dt`. A template start glides to the person within a second;
+    a scanned start only drifts (τ 20 s, quicker in quiet upright standing, and at once when feet
+    and hips have turned further than anyone twists). Repeats of a pose are left out by the caller.
     """
 
     def __init__(self, start: Calibration | None = None, dt: float = 1.0 / 30.0) -> None:
@@ -154,6 +156,7 @@ class Calibrator:
         self._seconds = self._start.seconds
         self._recent: deque[float] = deque(maxlen=round(_BUTTON_SECONDS / self._dt))
         self._glide_to: float | None = None
+        self._turning = False
         self._mean: Array | None = None
 
     @property
@@ -195,13 +198,12 @@ class Calibrator:
         if weight > 0.05:
             self._recent.append(angle)
             self._turn(angle, pose)
-        # A step towards each new length, never further than 5 % of it: an outlier moves little.
-        start = self._seconds < _START_SECONDS
-        gain = self._dt / (_START_TAU if start else min(max(self._seconds, 1.0), _DRIFT_TAU))
-        cap = 0.05 * self._bone_length
         error = length - self._bone_length
-        if not start:
+        if self._seconds > 1.0:
+            # Never further than 5 % of the length at a time, so that an outlier moves little.
+            cap = 0.05 * self._bone_length
             error = np.minimum(np.maximum(error, -cap), cap)
+        gain = self._dt / self._tau()
         self._bone_length = self._bone_length + gain * (seen * error)
         self._seconds += self._dt
 
@@ -213,15 +215,16 @@ class Calibrator:
                 self._glide_to = None
             return
         error = _wrapped(angle - self._heading)
-        if self._seconds < _START_SECONDS:
-            tau = _START_TAU
-        elif abs(error) > _TURNED:
-            tau = _TURNED_TAU
+        self._turning = abs(error) > (_FACED if self._turning else _TURNED)
+        tau = self._tau()
+        if self._turning:
+            tau = min(tau, _TURNED_TAU)
         elif self._is_quiet(pose):
-            tau = _QUIET_TAU
-        else:
-            tau = _DRIFT_TAU
+            tau = min(tau, _QUIET_TAU)
         self._heading = _wrapped(self._heading + error * self._dt / tau)
+
+    def _tau(self) -> float:
+        return min(max(self._seconds, _START_TAU), _DRIFT_TAU)
 
     def _is_quiet(self, pose: HumanPose) -> bool:
         """Standing upright for a while: every joint within some 4 cm of where it has been."""
@@ -237,9 +240,10 @@ class Calibrator:
 
 
 def is_upright(pose: HumanPose) -> bool:
-    """Trunk within 12 degrees of vertical, both legs straight under it, shoulders square.
+    """Trunk within 12 degrees of vertical, both legs straight under it, shoulders over the feet.
 
-    Straight: the hip is above the ankle by at least 95 % of the leg's length.
+    Straight: the hip is above the ankle by at least 95 % of the leg's length. Shoulders and hips
+    face within 15 degrees of each other and, where the feet are seen, within 25 of them.
     """
     p = pose.joint_pos_w
     if pose.confidence[[_L_HIP, _R_HIP, _L_SHOULDER, _R_SHOULDER]].min() < SEEN:
@@ -248,17 +252,22 @@ def is_upright(pose: HumanPose) -> bool:
     if trunk[2] < math.cos(math.radians(12.0)) * math.hypot(*trunk):
         return False
     length, seen = bone_lengths(p, pose.confidence)
-    for hip, ankle, (thigh, shin) in (
-        (_L_HIP, _L_ANKLE, _LEG_BONES[:2]),
-        (_R_HIP, _R_ANKLE, _LEG_BONES[2:]),
-    ):
-        if not (seen[thigh] and seen[shin]):
-            return False
-        if p[hip, 2] - p[ankle, 2] < 0.95 * (length[thigh] + length[shin]):
-            return False
+    if not seen[_LEG_BONES].all():
+        return False
+    l_thigh, l_shin, r_thigh, r_shin = length[_LEG_BONES]
+    if p[_L_HIP, 2] - p[_L_ANKLE, 2] < 0.95 * (l_thigh + l_shin):
+        return False
+    if p[_R_HIP, 2] - p[_R_ANKLE, 2] < 0.95 * (r_thigh + r_shin):
+        return False
     hips, shoulders = p[_L_HIP] - p[_R_HIP], p[_L_SHOULDER] - p[_R_SHOULDER]
-    twist = math.atan2(hips[1], hips[0]) - math.atan2(shoulders[1], shoulders[0])
-    return abs(_wrapped(twist)) < math.radians(12.0)
+    facing = math.atan2(-hips[0], hips[1])
+    twist = math.atan2(-shoulders[0], shoulders[1]) - facing
+    if abs(_wrapped(twist)) > math.radians(15.0):
+        return False
+    if pose.confidence[[_L_TOE, _R_TOE]].min() < SEEN:
+        return True
+    feet = p[_L_TOE] - p[_L_ANKLE] + p[_R_TOE] - p[_R_ANKLE]
+    return abs(_wrapped(math.atan2(feet[1], feet[0]) - facing)) < math.radians(25.0)
 
 
 def _wrapped(angle: float) -> float:

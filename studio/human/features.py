@@ -13,16 +13,23 @@ from numpy.typing import NDArray
 
 from studio.human.calibration import Calibration, Calibrator
 from studio.human.canonical import (
+    ANKLES,
     FLIP_Y,
     MIRROR_BONES,
     bone_directions,
     heading_axes,
-    pelvis_height,
     rebuild,
 )
 from studio.human.filters import HoldThenEase, OneEuro
 from studio.human.pose import HumanClip, HumanPose
-from studio.human.skeleton import BONES, LEG_LENGTH, NEUTRAL_DIRECTION, NUM_BONES, NUM_JOINTS
+from studio.human.skeleton import (
+    ANKLE_HEIGHT,
+    BONES,
+    LEG_LENGTH,
+    NEUTRAL_DIRECTION,
+    NUM_BONES,
+    NUM_JOINTS,
+)
 
 Array = NDArray[np.float64]
 
@@ -67,16 +74,20 @@ def joints_of(q: Array) -> Array:
     return out
 
 
-def _vector(direction: Array) -> Array:
-    """(19, 3) of unit bone directions (18, 3): q as points; the height is the z of the last."""
-    joints = rebuild(direction)
+def _points(direction: Array) -> Array:
+    """(19, 3) of unit bone directions (18, 3): the joints of q, and as last z the height."""
     points = np.empty((NUM_JOINTS, 3))
+    joints = rebuild(direction)
     points[:-1] = joints[1:]
-    points[-1] = (0.0, 0.0, float(pelvis_height(joints)) / LEG_LENGTH)
+    height = ANKLE_HEIGHT - min(joints[_L_ANKLE, 2], joints[_R_ANKLE, 2])
+    points[-1] = (0.0, 0.0, height / LEG_LENGTH)
     return points
 
 
-NEUTRAL_Q: Array = np.delete(_vector(NEUTRAL_DIRECTION).ravel(), [FEATURE_DIM - 1, FEATURE_DIM])
+_L_ANKLE, _R_ANKLE = (int(a) for a in ANKLES)
+_LEGS = np.array([BONES.index(f"{s}_{b}") for s in "lr" for b in ("hip", "knee", "ankle")])
+_KEEP = np.array([*range(HEIGHT), 3 * NUM_JOINTS - 1])
+NEUTRAL_Q: Array = _points(NEUTRAL_DIRECTION).ravel()[_KEEP]
 """(F,) q of the template's neutral stand: what a lost person eases to."""
 
 
@@ -122,9 +133,7 @@ class FeatureExtractor:
             direction = self._directions(pose)
         if self.mirror:
             direction = direction[MIRROR_BONES] * FLIP_Y
-        q = self._filter.push(_vector(direction)).ravel()
-        q = np.append(q[:HEIGHT], q[-1])
-        return self._differences(q)
+        return self._differences(self._filter.push(_points(direction)).ravel()[_KEEP])
 
     def _directions(self, pose: HumanPose) -> Array:
         direction_w, length, seen = bone_directions(pose.joint_pos_w, pose.confidence)
@@ -144,9 +153,6 @@ class FeatureExtractor:
         qd = (q - middle) / _DELTA_T
         qdd = (q - 2.0 * middle + before) / _DELTA_T**2
         return Features(q=q, qd=qd, qdd=qdd, unseen=float(self._hold.age[_LEGS].max()))
-
-
-_LEGS = np.array([BONES.index(f"{s}_{b}") for s in "lr" for b in ("hip", "knee", "ankle")])
 
 
 def clip_features(

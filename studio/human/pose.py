@@ -52,7 +52,7 @@ class HumanClip:
         """
         period = 1.0 / rate
         seconds = float(self.t[-1] - self.t[0])
-        t = period * np.arange(int(seconds / period + 0.5) + 1)
+        t = np.arange(int(seconds / period + 0.5) + 1, dtype=np.float64) * period
         newest = np.searchsorted(self.t - self.t[0], t + 0.5 * period - 1e-9) - 1
         newest = np.maximum(newest, 0)
         return HumanClip(
