@@ -1,0 +1,156 @@
+"""What was decided about a take, as a log beside its tape: appended, replayed, undone, redone.
+
+`edits.jsonl` holds a JSON object a line: {"time", "set": {field: value}} or {"time", "undo": true}
+or {"time", "redo": true}. The tape is never touched.
+"""
+
+import math
+import os
+from dataclasses import dataclass, fields
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from studio.errors import StudioError, unknown_name
+
+EDITS = "edits.jsonl"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Edits:
+    """The present value of every edit; None: never set.
+
+    label. note. trim: (start, end) s into the take. lag: s by which the human is ahead of the
+    robot. keep: True kept, False rejected. score: [0, 1].
+    """
+
+    label: str | None = None
+    note: str | None = None
+    trim: tuple[float, float] | None = None
+    lag: float | None = None
+    keep: bool | None = None
+    score: float | None = None
+
+
+FIELDS = tuple(f.name for f in fields(Edits))
+
+
+@dataclass(frozen=True, kw_only=True)
+class EditLog:
+    """Edits now, how many can be undone and redone, and what was wrong with the log."""
+
+    edits: Edits = Edits()
+    undoable: int = 0
+    redoable: int = 0
+    problems: tuple[str, ...] = ()
+
+
+def read_edits(folder: Path) -> EditLog:
+    """Replay a take's log. Damaged lines are left out and named in `problems`."""
+    try:
+        lines = (folder / EDITS).read_bytes().splitlines()
+    except FileNotFoundError:
+        return EditLog()
+    except OSError as error:
+        return EditLog(problems=(f"{EDITS} cannot be read: {error.strerror}",))
+    done: list[dict[str, Any]] = []
+    undone: list[dict[str, Any]] = []
+    problems: list[str] = []
+    for number, line in enumerate(lines, 1):
+        try:
+            row = msgspec.json.decode(line)
+            if row.get("undo"):
+                undone.append(done.pop())
+            elif row.get("redo"):
+                done.append(undone.pop())
+            else:
+                done.append(_checked(row["set"]))
+                undone.clear()
+        except (msgspec.DecodeError, StudioError, KeyError, AttributeError, IndexError) as error:
+            problems.append(f"{EDITS} line {number} is left out: {error or 'damaged'}")
+    values: dict[str, Any] = {}
+    for changes in done:
+        values |= changes
+    return EditLog(
+        edits=Edits(**values), undoable=len(done), redoable=len(undone), problems=tuple(problems)
+    )
+
+
+def edit(folder: Path, **changes: Any) -> EditLog:
+    """Set fields of Edits (None clears one) as one step that can be undone."""
+    return _append(folder, {"set": _checked(changes)})
+
+
+def undo(folder: Path) -> EditLog:
+    """Take the last step back; StudioError if there is none."""
+    if not read_edits(folder).undoable:
+        raise StudioError(f"nothing to undo in take {folder.name}")
+    return _append(folder, {"undo": True})
+
+
+def redo(folder: Path) -> EditLog:
+    """Do again what was last undone; StudioError if there is nothing."""
+    if not read_edits(folder).redoable:
+        raise StudioError(f"nothing to redo in take {folder.name}")
+    return _append(folder, {"redo": True})
+
+
+def _append(folder: Path, row: dict[str, Any]) -> EditLog:
+    row = {"time": datetime.now().astimezone().isoformat(timespec="seconds")} | row
+    path = folder / EDITS
+    try:
+        handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
+        try:
+            size = os.fstat(handle).st_size
+            # A line torn by a crash must not swallow the next one.
+            torn = size > 0 and os.pread(handle, 1, size - 1) != b"\n"
+            os.write(handle, (b"\n" if torn else b"") + msgspec.json.encode(row) + b"\n")
+            os.fsync(handle)
+        finally:
+            os.close(handle)
+        os.utime(folder)  # the library's index looks at the folder's time
+    except OSError as error:
+        raise StudioError(f"the edit of {folder.name} was not kept: {error.strerror}") from error
+    return read_edits(folder)
+
+
+def _checked(changes: Any) -> dict[str, Any]:
+    if not isinstance(changes, dict) or not changes:
+        raise StudioError(f"nothing to change: give one of {', '.join(FIELDS)}")
+    return {key: _checked_value(key, value) for key, value in changes.items()}
+
+
+def _checked_value(key: str, value: Any) -> Any:
+    if key not in FIELDS:
+        raise unknown_name("edit", key, FIELDS)
+    if value is None:
+        return None
+    if key in ("label", "note"):
+        if not isinstance(value, str) or len(value) > 10_000:
+            raise StudioError(f"a {key} is text of at most 10,000 characters")
+        return value
+    if key == "keep":
+        if not isinstance(value, bool):
+            raise StudioError("keep is true or false")
+        return value
+    if key == "trim":
+        if not isinstance(value, list | tuple) or len(value) != 2:
+            raise StudioError("a trim is [start, end] in seconds")
+        start, end = (_number("a trim", v) for v in value)
+        if not 0.0 <= start < end:
+            raise StudioError("a trim is [start, end] in seconds, 0 <= start < end")
+        return (start, end)
+    number = _number(f"a {key}", value)
+    if key == "score" and not 0.0 <= number <= 1.0:
+        raise StudioError("a score is between 0 and 1")
+    if key == "lag" and abs(number) > 10.0:
+        raise StudioError("a lag is at most 10 s")
+    return number
+
+
+def _number(what: str, value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        raise StudioError(f"{what} is a finite number, in seconds")
+    return float(value)

@@ -1,0 +1,30 @@
+"""Names of takes to their folders: no name from outside leaves the sessions folder."""
+
+import re
+from pathlib import Path
+
+from studio.errors import StudioError
+
+_NAME = re.compile(r"[A-Za-z0-9_-]{1,120}\Z")
+
+
+def check_name(name: object, kind: str = "take") -> str:
+    """`name` itself if it matches [A-Za-z0-9_-]+ (at most 120), else a StudioError."""
+    if not isinstance(name, str) or not _NAME.match(name):
+        raise StudioError(
+            f"{str(name)[:60]!r} is no name for a {kind}: use letters, digits, _, - (at most 120)"
+        )
+    return name
+
+
+def slug(label: str) -> str:
+    """A label as part of a name: what does not fit becomes "-"."""
+    return re.sub(r"[^A-Za-z0-9_]+", "-", label).strip("-")[:60]
+
+
+def take_folder(root: Path, name: object) -> Path:
+    """The folder of a take, which need not exist; a link to elsewhere is refused."""
+    folder = root / check_name(name)
+    if folder.is_symlink():
+        raise StudioError(f"take {name} is a link to somewhere else: copy the folder itself")
+    return folder
