@@ -42,7 +42,7 @@ _MIRROR_BONES = np.array(MIRROR[1:]) - 1
 _START_TAU, _DRIFT_TAU, _QUIET_TAU, _TURNED_TAU = 0.25, 20.0, 2.0, 0.7
 _TURNED, _FACED = math.radians(70.0), math.radians(10.0)
 _BUTTON_SECONDS = 0.5
-_QUIET_MEAN_TAU, _QUIET_DISTANCE = 0.5, 0.04
+_QUIET_MEAN_TAU, _QUIET_DISTANCE, _QUIET_SECONDS = 0.5, 0.04, 0.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,6 +157,7 @@ class Calibrator:
         self._recent: deque[float] = deque(maxlen=round(_BUTTON_SECONDS / self._dt))
         self._glide_to: float | None = None
         self._turning = False
+        self._still = 0.0
         self._mean: Array | None = None
 
     @property
@@ -236,7 +237,8 @@ class Calibrator:
         self._mean = self._mean + (self._dt / _QUIET_MEAN_TAU) * off
         distance = np.sqrt(np.einsum("ji,ji->j", off, off))
         moving = (distance > _QUIET_DISTANCE) & (pose.confidence >= SEEN)
-        return not moving.any() and is_upright(pose)
+        self._still = 0.0 if moving.any() else self._still + self._dt
+        return self._still > _QUIET_SECONDS and is_upright(pose)
 
 
 def is_upright(pose: HumanPose) -> bool:
