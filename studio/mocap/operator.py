@@ -109,7 +109,7 @@ class InteractiveOperator(_Performed):
     `set_intent` may be called from any thread; `read` only from the loop's.
     """
 
-    _EASE_S = 0.35  # s over which the person eases from one intent to the next
+    _EASE_S = 0.6  # s over which the person eases from one intent to the next
 
     def __init__(self, *, seed: int = 0, style: str = "march") -> None:
         person_rng, acting = np.random.default_rng(seed).spawn(2)

@@ -8,40 +8,43 @@ from numpy.typing import NDArray
 from studio.mocap.performer import signals as sig
 from studio.mocap.performer.signals import DT
 from studio.reference.intent import StateName
+from studio.reference.marching import Bout, march_track
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Beat:
-    """A stretch of the tour: by its end everything in `goal` is reached, all else is at rest.
+    """A stretch of the tour: it rises to `goal`, holds it, and is back at rest by its end.
 
-    goal: fields of Intent, tilts in degrees. hold: share of the stretch that the goal is kept.
-    task: the library task it shows.
+    task: the library task it shows. goal: fields of Intent, tilts in degrees. hold: share of the
+    stretch that the goal is kept. bout: the march of a walking beat, whose length it sets.
     """
 
-    seconds: float
     state: StateName
     task: str
+    seconds: float = 0.0
     goal: dict[str, object] = field(default_factory=dict)
     hold: float = 0.3
+    bout: Bout | None = None
 
 
 def _stand(seconds: float, task: str, **goal: object) -> Beat:
-    return Beat(seconds=seconds, state="stand", task=task, goal=goal)
+    return Beat(state="stand", task=task, seconds=seconds, goal=goal)
 
 
-def _walk(seconds: float, task: str, speed: float, cadence: float, turn: float = 0.0) -> Beat:
-    goal = {"speed": speed, "cadence": cadence, "turn": turn, "lift": 0.45}
-    return Beat(seconds=seconds, state="walk", task=task, goal=goal, hold=0.85)
+def _walk(task: str, cadence: float, half_strides: int, **rest: float) -> Beat:
+    bout = Bout(cadence=cadence, half_strides=half_strides, lift=rest.pop("lift", 0.45), **rest)
+    seconds = 0.5 * half_strides / cadence + bout.ramp + bout.pause
+    return Beat(state="walk", task=task, seconds=seconds, bout=bout)
 
 
 def _sit(seconds: float, task: str, **goal: object) -> Beat:
-    return Beat(seconds=seconds, state="sit", task=task, goal=goal)
+    return Beat(state="sit", task=task, seconds=seconds, goal=goal)
 
 
 TOUR: tuple[Beat, ...] = (
-    _stand(1.2, "quiet"),
+    _stand(1.0, "quiet"),
     _stand(1.2, "tilt", tilt=(0, 25, 0)),
     _stand(1.0, "tilt", tilt=(0, -18, 0)),
     _stand(1.1, "tilt", tilt=(22, 0, 0)),
@@ -49,59 +52,47 @@ TOUR: tuple[Beat, ...] = (
     _stand(1.1, "tilt", tilt=(0, 0, 28)),
     _stand(1.1, "tilt", tilt=(0, 0, -28)),
     _stand(1.4, "crouch", crouch=1.0),
-    _stand(1.7, "manipulate", reach=(0.9, 0.0)),
-    _stand(1.7, "manipulate", reach=(0.0, 0.9)),
+    _stand(1.7, "manipulate_right", reach=(0.9, 0.0)),
+    _stand(1.7, "manipulate_left", reach=(0.0, 0.9)),
     _stand(2.0, "tilt_manipulate", reach=(0.7, 0.0), tilt=(0, -12, 12)),
-    _stand(0.6, "quiet"),
-    _walk(4.2, "walk", 0.4, 0.8),
-    _walk(3.0, "walk", 0.8, 1.3),
-    _walk(2.4, "turn", 0.4, 0.9, 0.24),
-    _walk(2.4, "turn", 0.4, 0.9, -0.24),
-    _stand(1.2, "quiet"),
-    _sit(4.0, "quiet"),
+    _stand(0.4, "quiet"),
+    _walk("walk", 0.8, 6),
+    _walk("walk", 1.5, 9),
+    _walk("march", 0.6, 2, lift=0.8, pause=0.3),
+    _walk("turn", 0.9, 3, turn=0.24),
+    _walk("turn", 0.9, 3, turn=-0.24),
+    _sit(3.2, "sit_quiet"),
     _sit(1.3, "sit_tilt", tilt=(0, 13, 0)),
     _sit(1.3, "sit_tilt", tilt=(6, -8, 0)),
     _sit(2.6, "sit_manipulate", reach=(0.8, 0.8)),
-    _stand(1.6, "quiet"),
+    _stand(1.5, "quiet"),
 )
-TOUR_SECONDS = sum(beat.seconds for beat in TOUR)
+"""Where the robot changes state it takes one to three seconds, so each state is kept for longer."""
 
 
 def tour_signal() -> tuple[Array, list[str]]:
-    """(T, NUM) signal at 30 Hz of the whole tour and, per frame, the task it shows.
-
-    A beat rises to its goal, holds it, and the next beat starts from there; a walk that follows
-    a walk changes pace without stopping.
-    """
-    rows, tasks, level = [], [], np.zeros(sig.NUM)
-    for i, beat in enumerate(TOUR):
-        steps = round(beat.seconds / DT)
-        goal = _row(beat)
-        after = TOUR[(i + 1) % len(TOUR)]
-        rest = _row(Beat(seconds=0.0, state=after.state, task=after.task))
-        linked = beat.state == "walk" == after.state
-        u = (np.arange(steps) + 1.0) / steps
-        ramp = 0.5 * (1.0 - beat.hold) if not linked else 1.0 - beat.hold
-        up = sig.smoothstep(u / ramp)[:, None]
-        down = sig.smoothstep((u - (1.0 - ramp)) / ramp)[:, None] * (not linked)
-        block = level + up * (goal - level)
-        block = block + down * (rest - block)
-        block[:, [sig.WALK, sig.SIT]] = goal[[sig.WALK, sig.SIT]]
+    """(T, NUM) signal at 30 Hz of the whole tour and, per frame, the task it shows."""
+    rows, tasks = [], []
+    for beat in TOUR:
+        block = _march(beat.task, beat.bout) if beat.bout else _held(beat)
         rows.append(block)
-        tasks += [beat.task] * steps
-        level = block[-1].copy()
-    signal = np.concatenate(rows)
-    signal[:, sig.PHASE] = np.cumsum(signal[:, sig.CADENCE]) * DT
-    return signal, tasks
+        tasks += [beat.task] * len(block)
+    return np.concatenate(rows), tasks
 
 
-def _row(beat: Beat) -> Array:
-    row = np.zeros(sig.NUM)
-    goal = beat.goal
-    row[sig.TILT] = np.radians(np.asarray(goal.get("tilt", (0, 0, 0)), dtype=float))
-    row[sig.REACH] = goal.get("reach", (0.0, 0.0))
-    row[sig.CROUCH] = goal.get("crouch", 0.0)
-    row[sig.SPEED], row[sig.TURN] = goal.get("speed", 0.0), goal.get("turn", 0.0)
-    row[sig.CADENCE], row[sig.LIFT] = goal.get("cadence", 0.0), goal.get("lift", 0.0)
-    row[sig.WALK], row[sig.SIT] = beat.state == "walk", beat.state == "sit"
-    return row
+def _march(task: str, bout: Bout) -> Array:
+    seconds = 0.5 * bout.half_strides / bout.cadence + bout.ramp + bout.pause
+    return sig.of_track(march_track(task, seconds, [bout], lead=0.0))
+
+
+def _held(beat: Beat) -> Array:
+    steps = round(beat.seconds / DT)
+    goal = np.zeros(sig.NUM)
+    goal[sig.TILT] = np.radians(np.asarray(beat.goal.get("tilt", (0, 0, 0)), dtype=float))
+    goal[sig.REACH] = beat.goal.get("reach", (0.0, 0.0))
+    goal[sig.CROUCH] = beat.goal.get("crouch", 0.0)
+    u = (np.arange(steps) + 1.0) / steps
+    ramp = 0.5 * (1.0 - beat.hold)
+    block = sig.smoothstep(np.minimum(u, 1.0 - u) / ramp)[:, None] * goal
+    block[:, sig.WALK], block[:, sig.SIT] = beat.state == "walk", beat.state == "sit"
+    return block

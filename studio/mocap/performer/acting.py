@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 def act(
     person: Person,
     s: Array,
+    tempo: Array,
+    pace: Array,
     body_sway: Array,
     arm_sway: Array,
     beat: Array,
@@ -22,16 +24,17 @@ def act(
 ) -> tuple[Posture, Array]:
     """Posture of T frames of signal `s` (T, NUM), and (T, 2) how idle each arm is (right, left).
 
-    The last five arguments are those of `idle.Sway` and `idle.Fidgets` for the same frames.
+    tempo: (T,) strides per second of the march as a whole. pace: (T,) in [0, 1], how much of a
+    marcher's carriage has been taken up. The others are those of `idle.Sway` and `idle.Fidgets`.
     """
     h = person.habits
-    walk = s[:, sig.WALK] * smoothstep(s[:, sig.CADENCE] / 0.2)
+    walk = marching(s)
     sit = s[:, sig.SIT]
     phase = s[:, sig.PHASE] + h.timing * beat
-    bell, march = _steps(h, s, walk, phase)
+    bell, march = _steps(h, s, tempo, walk, phase)
     if person.style == "circles":
         march = np.zeros_like(march)
-    trunk, pelvis = _trunk(h, s, walk, sit, body_sway, march, bell)
+    trunk, pelvis = _trunk(h, s, pace, sit, body_sway, march, bell)
     knee, shank, heel, out = _knees(h, s, sit)
     lift, lift_knee, point = _lifts(h, s, bell, march)
     shift = np.stack(
@@ -39,11 +42,11 @@ def act(
             body_sway[:, 0] - h.hips_back * np.sin(trunk[:, 1] - _lean(h, s, sit)) * (1.0 - sit),
             body_sway[:, 1]
             + 0.5 * h.hips_back * np.sin(trunk[:, 0])
-            - h.weight_shift * (_lead(h, s, phase) * SIGN).sum(axis=1) * march.max(axis=1),
+            - h.weight_shift * (_lead(h, tempo, phase) * SIGN).sum(axis=1) * march.max(axis=1),
         ],
         axis=-1,
     )
-    arms, free, idle = _arms(person, s, walk, sit, phase, arm_sway, gesture, gesture_weight)
+    arms, free, idle = _arms(person, s, pace, sit, phase, arm_sway, gesture, gesture_weight)
     turn_head = np.stack(
         [
             -h.head_share * 0.5 * trunk[:, 0],
@@ -57,7 +60,7 @@ def act(
             knee=knee,
             shank=shank,
             pelvis_shift=shift,
-            pelvis_drop=h.bob * walk * 0.5 * (1.0 - np.cos(4.0 * np.pi * phase)),
+            pelvis_drop=h.bob * pace * 0.5 * (1.0 - np.cos(4.0 * np.pi * phase)),
             pelvis_rpy=pelvis,
             trunk_rpy=trunk,
             head_rpy=turn_head,
@@ -65,7 +68,7 @@ def act(
             lift=lift,
             lift_knee=lift_knee,
             swing=np.minimum(4.0 * bell, 1.0) * march,
-            tuck=h.tuck * bell * march,
+            tuck=h.tuck * bell**2 * march,
             point=point,
             knees_out=out,
             arms=arms,
@@ -75,27 +78,31 @@ def act(
     )
 
 
+def marching(s: Array) -> Array:
+    """(T,) in [0, 1]: 1 while the phase of a march goes on."""
+    return s[:, sig.WALK] * smoothstep(s[:, sig.CADENCE] / 0.2)
+
+
 def _leg_phase(phase: Array) -> Array:
     """(T, 2) phase of the (right, left) leg in [0, 1); the left foot lifts at 0."""
     return (phase[:, None] + np.array([0.5, 0.0])) % 1.0
 
 
-def _share(h: Habits, s: Array) -> Array:
+def _share(h: Habits, tempo: Array) -> Array:
     """(T, 1) share of the stride that a foot swings: slow marchers pause between steps."""
-    cadence = np.maximum(s[:, sig.CADENCE], 0.05)
-    return np.clip(h.swing_s * cadence, 0.12, h.swing_share)[:, None]
+    return np.clip(h.swing_s * tempo, 0.12, h.swing_share)[:, None]
 
 
-def _steps(h: Habits, s: Array, walk: Array, phase: Array) -> tuple[Array, Array]:
+def _steps(h: Habits, s: Array, tempo: Array, walk: Array, phase: Array) -> tuple[Array, Array]:
     """(T, 2) how high each foot is in its swing, in [0, 1], and (T, 2) how much it marches."""
-    u = np.clip(_leg_phase(phase) / _share(h, s), 0.0, 1.0) ** h.step_skew
+    u = np.clip(_leg_phase(phase) / _share(h, tempo), 0.0, 1.0) ** h.step_skew
     bell = np.maximum(np.sin(np.pi * u), 0.0) ** (2.0 * h.step_shape)
-    return bell, np.repeat(walk[:, None], 2, axis=1)
+    return bell, np.repeat((walk * smoothstep(s[:, sig.LIFT] / 0.1))[:, None], 2, axis=1)
 
 
-def _lead(h: Habits, s: Array, phase: Array) -> Array:
+def _lead(h: Habits, tempo: Array, phase: Array) -> Array:
     """(T, 2) weight to take off each foot: ahead of its swing and longer."""
-    share = _share(h, s)
+    share = _share(h, tempo)
     u = np.clip((_leg_phase(phase + 0.35 * share[:, 0]) / (1.7 * share)), 0.0, 1.0)
     return np.sin(np.pi * u) ** 2
 
@@ -103,11 +110,13 @@ def _lead(h: Habits, s: Array, phase: Array) -> Array:
 def _lifts(h: Habits, s: Array, bell: Array, march: Array) -> tuple[Array, Array, Array]:
     """Thigh lift, knee flexion and toe pointing (T, 2) of the swinging legs."""
     high = h.step_low + (h.step_high - h.step_low) * s[:, sig.LIFT, None]
+    # Nobody throws the knees up twice a second as high as once.
+    high = high / (1.0 + 0.35 * np.maximum(s[:, sig.CADENCE, None] - 1.2, 0.0))
     lift = high * h.step_asymmetry * bell * march
     # A jog lifts the heel behind instead of the thigh in front.
     jog = smoothstep((s[:, sig.CADENCE, None] - 0.9) / 0.5) * np.maximum(1.2 - high, 0.0)
     # Twice the thigh's angle at first: the foot leaves the floor straight up instead of sliding.
-    knee = lift * (2.0 - bell) + (h.shin_back + h.jog_kick * jog) * bell * march
+    knee = lift * (2.0 - bell) + (h.shin_back + h.jog_kick * jog) * bell**2 * march
     return lift, np.maximum(knee, 0.35 * lift), np.full_like(lift, 0.5)
 
 
@@ -118,7 +127,7 @@ def _lean(h: Habits, s: Array, sit: Array) -> Array:
 
 
 def _trunk(
-    h: Habits, s: Array, walk: Array, sit: Array, sway: Array, march: Array, bell: Array
+    h: Habits, s: Array, pace: Array, sit: Array, sway: Array, march: Array, bell: Array
 ) -> tuple[Array, Array]:
     """Trunk and pelvis roll, pitch, yaw (T, 3) each."""
     stand_gain = np.repeat(h.gain[None], len(s), axis=0)
@@ -131,7 +140,7 @@ def _trunk(
     swing = (SIGN * bell * march).sum(axis=1)
     roll = gain[:, 0] * tilt[:, 0] + sway[:, 2] - h.turn_lean * turn + h.march_sway * swing
     pitch = h.slouch + pitch_gain * tilt[:, 1] + sway[:, 3] + _lean(h, s, sit)
-    pitch = pitch + walk * (h.march_lean + 0.06 * s[:, sig.SPEED])
+    pitch = pitch + pace * (h.march_lean + 0.06 * s[:, sig.SPEED])
     yaw = gain[:, 3] * tilt[:, 2] + sway[:, 4] + h.turn_yaw * turn
     trunk = np.stack([roll, pitch, yaw + 0.8 * h.march_sway * swing], axis=-1)
     share = np.array([h.hips_roll, 0.0, h.hips_yaw])
@@ -154,7 +163,7 @@ def _knees(h: Habits, s: Array, sit: Array) -> tuple[Array, Array, Array, Array]
 def _arms(
     person: Person,
     s: Array,
-    walk: Array,
+    pace: Array,
     sit: Array,
     phase: Array,
     arm_sway: Array,
@@ -164,7 +173,7 @@ def _arms(
     """Arm angles (T, 2, 4), freedom from the trunk (T, 2) and idleness (T, 2)."""
     h = person.habits
     reach = s[:, sig.REACH]
-    active = smoothstep(reach / 0.15)
+    active = smoothstep(reach / 0.25)
     idle_weight = gesture_weight * (1.0 - active)
     rest = h.hang + arm_sway
     if h.squat_arms != "hang" and np.isfinite(h.fidget_gap_s):
@@ -173,7 +182,7 @@ def _arms(
         squat_idle = weight
     else:
         squat_idle = np.zeros_like(reach)
-    rest = rest + _march_arms(person, s, walk, phase)
+    rest = rest + _march_arms(person, s, pace, phase)
     rest = rest + idle_weight[..., None] * (gesture - rest)
 
     out = s[:, sig.SIDE] * SIGN  # > 0: outwards
@@ -193,12 +202,12 @@ def _arms(
     return arms, free, np.maximum(idle_weight, squat_idle)
 
 
-def _march_arms(person: Person, s: Array, walk: Array, phase: Array) -> Array:
+def _march_arms(person: Person, s: Array, pace: Array, phase: Array) -> Array:
     """(T, 2, 4) what marching adds to resting arms: a swing against the legs, or the circles."""
     h = person.habits
     turn = 2.0 * np.pi * _leg_phase(phase)
     add = np.zeros((len(s), 2, 4))
-    w = walk[:, None]
+    w = pace[:, None]
     if person.style == "circles":
         size = h.circle_size * (0.5 + 0.5 * s[:, sig.LIFT, None])
         to_pose = h.circle_arm - h.hang

@@ -4,6 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from studio.mocap.performer.signals import DT
+
 Array = NDArray[np.float64]
 
 
@@ -40,6 +42,25 @@ class Fir:
             self._zi = tail.reshape(-1, *([1] * (x.ndim - 1))) * x[:1]
         y, self._zi = lfilter(self._b, 1.0, x, axis=0, zi=self._zi)
         return y
+
+
+class Tempo:
+    """Cadence of a march as a whole: the mean over recent strides, pauses not counted.
+
+    E[c^2] / E[c] over a second, drawn to `usual` while nobody marches. A cadence read off at once
+    would change within a step that begins or ends, and the foot with it.
+    """
+
+    def __init__(self, usual: float = 0.8, seconds: float = 1.0) -> None:
+        self._a = float(np.exp(-DT / seconds))
+        self._zi = np.zeros((1, 2))
+        self._pull, self._usual = 0.05, usual
+
+    def __call__(self, cadence: Array) -> Array:
+        """(T,) of the next cadences (T,), strides per second."""
+        x = np.stack([cadence, cadence**2], axis=-1)
+        y, self._zi = lfilter([1.0 - self._a], [1.0, -self._a], x, axis=0, zi=self._zi)
+        return (y[:, 1] + self._pull * self._usual) / (y[:, 0] + self._pull)
 
 
 class Drift:

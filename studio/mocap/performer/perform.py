@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from studio import spatial
 from studio.human.pose import HumanClip, HumanPose
 from studio.mocap.performer import signals as sig
-from studio.mocap.performer.acting import act
-from studio.mocap.performer.filters import Fir, bell
+from studio.mocap.performer.acting import act, marching
+from studio.mocap.performer.filters import Fir, Tempo, bell
 from studio.mocap.performer.idle import Fidgets, Sway
 from studio.mocap.performer.person import Person
 from studio.mocap.performer.posture import joints
@@ -18,6 +18,7 @@ from studio.mocap.performer.signals import DT
 from studio.reference.intent import Intent, IntentTrack
 
 Array = NDArray[np.float64]
+_CARRIAGE_S = 0.7  # s in which the arms and the trunk take up a marcher's carriage
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +58,8 @@ class Performer:
         wait = np.zeros(round(person.reaction_delay / DT))
         self._follow = Fir(person.follow_kernel())
         self._change = Fir(np.concatenate([wait, bell(h.change_s, DT, h.profile)]))
+        self._tempo = Tempo()
+        self._carriage = Fir(bell(_CARRIAGE_S, DT, h.profile))
         self._last_phase: float | None = None
         self._strides = 0.0
 
@@ -71,7 +74,9 @@ class Performer:
         states = self._change(s[:, [sig.WALK, sig.SIT]])
         s = self._follow(s)
         s[:, [sig.WALK, sig.SIT]] = states
-        posture, idle = act(self.person, s, *self._sway(steps), *self._fidgets(steps))
+        tempo = self._tempo(s[:, sig.CADENCE])
+        pace = self._carriage(marching(s))
+        posture, idle = act(self.person, s, tempo, pace, *self._sway(steps), *self._fidgets(steps))
         true = joints(self.person.body, posture)
         half = 0.5 * self.person.habits.facing
         true = spatial.quat_rotate(np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), true)

@@ -15,6 +15,7 @@ SIGN = np.array([-1.0, 1.0])  # y of the (right, left) side
 _R = [INDEX[f"r_{j}"] for j in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle", "toe")]
 _L = [INDEX[f"l_{j}"] for j in ("shoulder", "elbow", "wrist", "hip", "knee", "ankle", "toe")]
 _SIDES = np.array([_R, _L]).T  # (7, 2)
+_HAND_CLEAR = 0.07  # m, wrists above the floor
 _STRETCH = 0.9985  # of the leg's length: a knee never locks, so it never flips
 
 
@@ -174,5 +175,24 @@ def _arms(body: Body, p: Posture, chest: Array, trunk_quat: Array, out: Array) -
     )
     elbow = shoulder + body.upper_arm * spatial.quat_rotate(arm_quat, down)
     wrist = elbow + body.forearm * spatial.quat_rotate(arm_quat, bent)
+    elbow, wrist = _off_the_floor(shoulder, elbow, wrist)
     for row, pos in zip(_SIDES[:3], (shoulder, elbow, wrist)):
         out[:, row] = pos
+
+
+def _off_the_floor(shoulder: Array, elbow: Array, wrist: Array) -> tuple[Array, Array]:
+    """Arms (T, 2, 3) that would hang through the floor, swung forward about the shoulder."""
+    if wrist[..., 2].min() >= _HAND_CLEAR:
+        return elbow, wrist
+    arm = wrist - shoulder
+    length = np.linalg.norm(arm, axis=-1)
+    drop = -arm[..., 2]
+    allowed = np.minimum(drop, np.maximum(shoulder[..., 2] - _HAND_CLEAR, 0.0))
+    angle = np.arccos(allowed / length) - np.arccos(drop / length)
+    ahead = spatial.normalize(arm[..., :2] + [0.02, 0.0])
+    axis = np.stack([ahead[..., 1], -ahead[..., 0], np.zeros_like(angle)], axis=-1)
+    quat = spatial.quat_from_axis_angle(axis, angle)
+    return (
+        shoulder + spatial.quat_rotate(quat, elbow - shoulder),
+        shoulder + spatial.quat_rotate(quat, arm),
+    )
