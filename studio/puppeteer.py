@@ -177,6 +177,15 @@ class Puppeteer:
         self.retargeter.reset()
         self.gate.reset()
         self._human, self._age, self._t = None, np.inf, 0.0
+        self.rejoin()
+
+    def rejoin(self) -> None:
+        """Ease into the person's motion anew, from wherever the robot is."""
+        self.controller.rejoin()
+
+    def calibrate_now(self) -> None:
+        """The way the person faces now is straight ahead."""
+        self.retargeter.extractor.calibrator.neutral_now()
 
     def place(self, state: StateName, *, here: bool = False) -> None:
         """The robot at rest in the neutral pose of `state`, at the origin or where it is."""

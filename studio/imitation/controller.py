@@ -116,6 +116,10 @@ class Controller:
         self.reference = with_velocity(self._last, self._last)
         self._begin("stand", "stand")
 
+    def rejoin(self) -> None:
+        """The reference to come has nothing to do with the last one: align and ease anew."""
+        self._following = False
+
     def step(
         self,
         wanted: StateName,

@@ -1,0 +1,150 @@
+"""The whole flow without a browser: a source driven to its end, and the report of contract.md."""
+
+import contextlib
+import json
+import logging
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+from studio.errors import StudioError
+from studio.evaluation.drive_report import DriveReport, trace_line
+from studio.human.calibration import calibrate
+from studio.mocap import Source, SourceEnded, open_source
+from studio.puppeteer import FOLLOW, Orders, Puppeteer, PuppeteerConfig
+from studio.recording.recorder import Recorder
+from studio.recording.tick import Tick
+from studio.robot.a1 import CONTROL_DT
+
+log = logging.getLogger(__name__)
+TOUR_SECONDS = 40.0
+"""How long an endless operator is followed if nothing else is said: one tour of every task."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriveConfig:
+    """source, seconds (None: to the source's end), seed, state, style, controller: contract.md.
+
+    sessions: the folder of takes. record: keep the drive as a take. trace: a file for a JSON line
+    per tick. realtime: pace it at 30 Hz instead of as fast as it goes.
+    """
+
+    source: str
+    seconds: float | None = None
+    seed: int = 0
+    state: str = "auto"
+    style: str = "march"
+    controller: str | None = None
+    mirror: bool = False
+    sessions: Path = Path("sessions")
+    record: bool = False
+    trace: Path | None = None
+    realtime: bool = False
+
+
+def run_drive(
+    config: DriveConfig,
+    *,
+    guard: Callable[[float], Orders] | None = None,
+    on_tick: Callable[[Tick], None] | None = None,
+    source: Source | None = None,
+) -> dict[str, Any]:
+    """Drive and report. Ends with the source, after config.seconds, or when the robot falls.
+
+    guard: what the age of the newest human pose (s, infinite before the first) calls for, see
+    live.safety. on_tick: called with every tick. source: used instead of opening config.source.
+    Raises StudioError for a source, state, style or controller that is not there.
+    """
+    source = source or open_source(
+        config.source, seed=config.seed, style=config.style, sessions=config.sessions
+    )
+    with contextlib.ExitStack() as stack:
+        stack.callback(source.close)
+        seconds = _how_long(config, source)
+        puppeteer = Puppeteer(
+            PuppeteerConfig(
+                style=config.style,
+                controller=config.controller,
+                state=config.state,
+                seed=config.seed,
+                mirror=config.mirror,
+            ),
+            calibrate(source.calibration_poses()),
+        )
+        report = DriveReport()
+        sinks = [report.add]
+        if on_tick is not None:
+            sinks.append(on_tick)
+        if config.trace is not None:
+            sinks.append(_tracer(stack.enter_context(_opened(config.trace))))
+        if config.record:
+            recorder = Recorder(config.sessions)
+            stack.callback(recorder.close)
+            about = {"source": config.source, "seed": config.seed, "style": config.style}
+            taken = recorder.start("drive", about=about)
+            sinks.append(recorder.append)
+        for tick in drive(puppeteer, source, seconds, guard=guard, realtime=config.realtime):
+            for sink in sinks:
+                sink(tick)
+        expected = seconds if source.duration is None else min(seconds, source.duration)
+        out = report.summary(expected, rejected_by_source=source.rejected)
+        if config.record:
+            out["take"] = taken
+        return out
+
+
+def drive(
+    puppeteer: Puppeteer,
+    source: Source,
+    seconds: float,
+    *,
+    guard: Callable[[float], Orders] | None = None,
+    realtime: bool = False,
+) -> Iterator[Tick]:
+    """Ticks until the source ends, `seconds` have passed, or the robot has fallen."""
+    began, age = time.perf_counter(), float("inf")
+    for k in range(round(seconds / CONTROL_DT)):
+        try:
+            human = source.read(k * CONTROL_DT)
+        except SourceEnded:
+            return
+        age = 0.0 if human is not None else age + CONTROL_DT
+        tick = puppeteer.step(human, guard(age) if guard else FOLLOW)
+        yield tick
+        if tick.fallen:
+            log.info("the robot fell after %.1f s", (k + 1) * CONTROL_DT)
+            return
+        if realtime:
+            time.sleep(max(0.0, began + (k + 1) * CONTROL_DT - time.perf_counter()))
+
+
+def _how_long(config: DriveConfig, source: Source) -> float:
+    if config.seconds is not None:
+        if not 0.0 < config.seconds <= 86_400.0:
+            raise StudioError(f"--seconds must be over 0 and at most 86400, not {config.seconds}")
+        return config.seconds
+    if source.duration is not None:
+        return source.duration + 1.0
+    if not source.starts_live:
+        raise StudioError(
+            f"source {config.source!r} has frames only while `a1-studio serve` runs: "
+            "drive operator, bvh:FILE, frames:FILE or take:NAME"
+        )
+    return TOUR_SECONDS
+
+
+def _opened(path: Path) -> IO[str]:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return path.open("w", encoding="utf-8")
+    except OSError as error:
+        raise StudioError(f"cannot write {path}: {error.strerror}") from error
+
+
+def _tracer(file: IO[str]) -> Callable[[Tick], None]:
+    def write(tick: Tick) -> None:
+        file.write(json.dumps(trace_line(tick)) + "\n")
+
+    return write

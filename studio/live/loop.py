@@ -1,0 +1,228 @@
+"""The flow in real time: drain commands, read, step, record, publish, wait; 30 times a second."""
+
+import gc
+import logging
+import sys
+import threading
+from collections import deque
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from studio.errors import StudioError
+from studio.live import commands as c
+from studio.live.clock import Clock, Metronome, WallClock
+from studio.live.mailbox import BoundedQueue, Latest
+from studio.live.session import Session, SessionConfig, open_for, open_replay
+from studio.live.state import state_dict
+from studio.recording.tick import Tick
+from studio.robot.a1 import CONTROL_DT
+
+log = logging.getLogger(__name__)
+
+SWITCH_INTERVAL = 0.0005
+"""s; Python's default of 5 ms makes a 30 Hz thread late beside busy ones (findings.md)."""
+OVERRUN_WINDOW, OVERRUN_SHARE = 30, 0.8
+"""Of the last 30 periods so many late means that this computer cannot keep the rate."""
+
+
+@dataclass(kw_only=True)
+class _Request:
+    """A command on its way, and its answer on the way back."""
+
+    command: Any
+    done: threading.Event = field(default_factory=threading.Event)
+    result: c.Result = field(default_factory=lambda: c.Result(ok=False, why="not answered"))
+
+
+class LiveLoop:
+    """One thread that owns the world, the networks and the recorder; others ask and look.
+
+    `ticks` holds the newest Tick. `submit`, `post`, `beat`, `push_frame` and `state_dict` may be
+    called from any thread; `tick` is one period, for the loop's own thread or a test's fake clock.
+    """
+
+    def __init__(
+        self,
+        config: SessionConfig | None = None,
+        clock: Clock | None = None,
+        session: Session | None = None,
+    ) -> None:
+        self.session = session or Session(config or SessionConfig())
+        self.config = self.session.config
+        self.clock = clock or WallClock()
+        self.ticks: Latest[Tick] = Latest()
+        self.period_error_ms: deque[float] = deque(maxlen=3000)
+        self._metronome = Metronome(self.clock)
+        self._late: deque[bool] = deque(maxlen=OVERRUN_WINDOW)
+        self._requests: BoundedQueue[_Request] = BoundedQueue()
+        self._stops: BoundedQueue[_Request] = BoundedQueue(4096)  # a stop finds room always
+        self._refused = 0
+        self._state: dict[str, Any] = {}
+        self._running = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    # From any thread ----------------------------------------------------------------------------
+
+    def submit(self, command: Any, timeout: float = 8.0) -> c.Result:
+        """Have a command applied; waits until after the tick that did, at most `timeout` s.
+
+        What takes long (opening a source, reading a take) happens here, on the caller's thread.
+        """
+        try:
+            command = self._prepared(command)
+        except StudioError as error:
+            return c.Result(ok=False, why=str(error), state=self.state_dict())
+        request = _Request(command=command)
+        queue = self._stops if isinstance(command, c.Stop) else self._requests
+        if not queue.put(request):
+            return c.Result(ok=False, why="too many commands wait: try again", state=self._state)
+        if not request.done.wait(timeout):
+            return c.Result(ok=False, why="the control loop did not answer", state=self._state)
+        return request.result
+
+    def post(self, command: Any) -> bool:
+        """Have a command applied at the next tick, without waiting; False when too many wait."""
+        queue = self._stops if isinstance(command, c.Stop) else self._requests
+        return queue.put(_Request(command=command))
+
+    def beat(self, page: str) -> None:
+        """The page in control lives."""
+        self.session.safety.beat(page, self.clock.now())
+
+    def push_frame(self, raw: object) -> None:
+        """One human frame for the source `stream`; StudioError says what is wrong with it."""
+        push = getattr(self.session.source, "push", None)
+        if push is None:
+            self._refused += 1
+            raise StudioError(
+                f"the source is {self.session.source.name}: set the source to stream first"
+            )
+        push(raw)
+
+    def new_sender(self) -> None:
+        """Another client starts to send frames: its skeleton and clock are its own."""
+        begin = getattr(self.session.source, "new_sender", None)
+        if begin is not None:
+            begin()
+
+    def state_dict(self) -> dict[str, Any]:
+        """The object of GET /api/state, as of the last tick."""
+        return self._state
+
+    # The thread ---------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Run in a thread of its own until `stop`."""
+        self._running.set()
+        self._thread = threading.Thread(target=self._run, name="control", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread, then the take and the source in good order. Idempotent."""
+        self._running.clear()
+        if self._thread is not None:
+            self._thread.join(timeout=5.0)
+            self._thread = None
+            self.session.close()
+
+    def _run(self) -> None:
+        interval = sys.getswitchinterval()
+        sys.setswitchinterval(SWITCH_INTERVAL)
+        gc.collect()
+        gc.freeze()
+        gc.disable()  # collected in the slack of a period instead of in the midst of one
+        self._metronome.reset()
+        try:
+            count = 0
+            while self._running.is_set():
+                self.tick()
+                count += 1
+                self._collect(count)
+                self.wait()
+        except Exception:
+            log.exception("the control loop ended")
+            raise
+        finally:
+            gc.enable()
+            gc.unfreeze()
+            sys.setswitchinterval(interval)
+            self._refuse_waiting()
+
+    def wait(self) -> None:
+        """Wait for the next deadline, counting lateness."""
+        late = self._metronome.late
+        error = self._metronome.wait()
+        self._late.append(self._metronome.late > late)
+        self.period_error_ms.append(1e3 * abs(error))
+
+    def tick(self) -> None:
+        """One control period: commands, source, flow, record, publish, answers."""
+        now = self.clock.now()
+        requests = self._stops.drain() + self._requests.drain()
+        for request in requests:
+            request.result = self._apply(request.command, now)
+        try:
+            tick = self._with_loop_counters(self.session.step(now, self.overrun))
+            self.ticks.publish(tick)
+            self._state = state_dict(self.session, tick, self.period_error_ms)
+        except Exception:
+            log.exception("a control period failed; the robot is stopped")
+            self._state = {**self._state, "stopped": True, "why": self.session.safety.reason}
+        for request in requests:
+            request.result = replace(request.result, state=self._state)
+            request.done.set()
+
+    @property
+    def overrun(self) -> bool:
+        """Most of the last second's periods were late."""
+        full = len(self._late) == OVERRUN_WINDOW
+        return full and sum(self._late) > OVERRUN_SHARE * OVERRUN_WINDOW
+
+    def _apply(self, command: Any, now: float) -> c.Result:
+        try:
+            return c.Result(ok=True, data=self.session.apply(command, now))
+        except StudioError as error:
+            return c.Result(ok=False, why=str(error))
+        except Exception as error:
+            log.exception("command %s failed", command)
+            return c.Result(ok=False, why=f"{type(command).__name__} failed: {error}")
+
+    def _prepared(self, command: Any) -> Any:
+        if isinstance(command, c.SetSource):
+            return open_for(self.config, command.spec)
+        if isinstance(command, c.SetMode) and command.mode == "replay":
+            kind, _, name = self.session.source.name.partition(":")
+            take = name if kind == "take" else self.session.last_take
+            if take:
+                return open_replay(self.config, take)
+        return command
+
+    def _with_loop_counters(self, tick: Tick) -> Tick:
+        counters = dict(tick.counters)
+        counters["rejected"] += self._refused
+        counters["late"] = self._metronome.late
+        return replace(tick, counters=counters)
+
+    def _collect(self, count: int) -> None:
+        """Garbage, a little in every slack: young objects each second, all of them each minute."""
+        if count % 30 == 0:
+            gc.collect(2 if count % 1800 == 0 else 1)
+
+    def _refuse_waiting(self) -> None:
+        for request in self._stops.drain() + self._requests.drain():
+            request.result = c.Result(ok=False, why="the studio is closing")
+            request.done.set()
+
+
+def period_error(errors_ms: deque[float]) -> dict[str, float]:
+    """p50, p99 and max, ms, of the periods' distance from their deadlines."""
+    if not errors_ms:
+        return {"p50": 0.0, "p99": 0.0, "max": 0.0}
+    values = np.array(errors_ms)
+    p50, p99 = np.percentile(values, [50, 99])
+    return {"p50": float(p50), "p99": float(p99), "max": float(values.max())}
+
+
+__all__ = ["CONTROL_DT", "LiveLoop", "period_error"]

@@ -1,0 +1,70 @@
+"""The loop as the object of GET /api/state: what it does, and why nothing moves if nothing does."""
+
+from collections import deque
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from studio.recording.tick import Tick
+from studio.robot.pose import RobotPose
+
+if TYPE_CHECKING:
+    from studio.live.session import Session
+
+
+def pose_dict(pose: RobotPose) -> dict[str, list[float]]:
+    """A robot as in a tick's JSON: base_pos, base_quat, joint_pos, foot_contact."""
+    return {
+        name: [round(float(v), 5) for v in getattr(pose, name)]
+        for name in ("base_pos", "base_quat", "joint_pos", "foot_contact")
+    }
+
+
+def state_dict(session: "Session", tick: Tick, period_error_ms: deque[float]) -> dict[str, Any]:
+    """The keys of contract.md, and what a page shows besides."""
+    puppeteer, safety, replay = session.puppeteer, session.safety, session.replay
+    extractor = puppeteer.retargeter.extractor
+    errors = np.array(list(period_error_ms)[-300:] or [0.0])
+    return {
+        "mode": session.mode,
+        "state": tick.state,
+        "transition_to": tick.transition_to,
+        "state_lock": puppeteer.lock or "auto",
+        "expert": tick.expert,
+        "votes": {name: round(float(share), 3) for name, share in tick.votes.items()},
+        "stopped": safety.stopped,
+        "armed": safety.armed,
+        "fallen": tick.fallen,
+        "why": tick.why,
+        "source": session.source.name,
+        "scene": session.scene,
+        "latency_ms": {name: round(ms, 3) for name, ms in tick.timings_ms.items()},
+        "period_error_ms": {
+            "p50": round(float(np.median(errors)), 3),
+            "p99": round(float(np.percentile(errors, 99)), 3),
+        },
+        "counters": tick.counters,
+        "robot": pose_dict(tick.robot),
+        "controller": puppeteer.tracker.name,
+        "style": puppeteer.config.style,
+        "gains": puppeteer.gains,
+        "mirror": puppeteer.config.mirror,
+        "calibration": {
+            "heading_deg": round(float(np.degrees(extractor.calibrator.heading)), 1),
+            "leg_length_m": round(extractor.calibration.leg_length, 3),
+            "seconds": round(extractor.calibration.seconds, 1),
+        },
+        "recording": None
+        if session.recorder.recording is None
+        else {"name": session.recorder.recording, "ticks": session.recorded},
+        "replay": None
+        if session.mode != "replay" or replay is None
+        else {
+            "name": replay.name,
+            "t": round(replay.t, 3),
+            "seconds": round(replay.seconds, 3),
+            "playing": replay.playing,
+            "speed": replay.speed,
+        },
+        "t": round(tick.t, 4),
+    }
