@@ -41,8 +41,10 @@ class SourceKind:
 
 
 def _operator(o: Opening) -> Source:
-    from studio.mocap.operator import OperatorSource
+    from studio.mocap.operator import InteractiveOperator, OperatorSource
 
+    if o.argument == "interactive":  # keys, a gamepad or a script say what is meant
+        return InteractiveOperator(seed=o.seed, style=o.style)
     return OperatorSource(o.argument, seed=o.seed, style=o.style)
 
 
