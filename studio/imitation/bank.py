@@ -20,7 +20,6 @@ from studio.robot import kinematics
 
 log = logging.getLogger(__name__)
 Array = NDArray[np.float64]
-VERSION = 1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,6 +133,14 @@ def task_names(state: StateName) -> tuple[str, ...]:
     return tuple(name for name, task in TASKS.items() if task.state == state)
 
 
+def _library_digest() -> str:
+    """Changes whenever the code that makes reference motions does."""
+    studio = Path(kinematics.__file__).resolve().parents[1]
+    files = sorted((studio / "reference").rglob("*.py"))
+    files += [Path(__file__), Path(kinematics.__file__), studio / "robot" / "a1.py"]
+    return hashlib.sha256(b"".join(f.read_bytes() for f in files)).hexdigest()
+
+
 def build_bank(
     state: StateName,
     *,
@@ -147,7 +154,7 @@ def build_bank(
     """`per_task` motions of every task of a state at each difficulty, time-warped by ± a share.
 
     Deterministic in its arguments. cache: folder to keep the arrays in (they take some time to
-    draw, and change only with the arguments and the task library).
+    draw; changed arguments or code make new ones).
     """
     from studio.reference.library import TASKS
     from studio.reference.realize import realize

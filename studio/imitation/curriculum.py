@@ -42,9 +42,9 @@ class Curriculum:
     """
 
     ladder: list[Stage]
-    gate: float = 0.85
-    window: int = 256
-    patience: int = 6144
+    gate: float = 0.8
+    window: int = 192
+    patience: int = 2048
     level: int = 0
     episodes: int = 0
     ratio: float = 0.0

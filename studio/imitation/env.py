@@ -37,7 +37,8 @@ class EnvConfig:
 
     anchor_tau: s, leak of the re-anchored root. push: m/s, largest kick, at full randomisation,
     and push_every its mean interval in s. noise_scale: of reference noise. evaluation: motions in
-    order from their first frame, full randomisation, no kicks, fallen robots stay out.
+    order from their first frame, no kicks, and nobody begins anew: whatever a controller does, it
+    meets the same references, dynamics and noise.
     """
 
     num_envs: int = 512
@@ -51,6 +52,7 @@ class EnvConfig:
     push: float = 0.4
     push_every: float = 4.0
     init_joint_noise: float = 0.03
+    evaluation: bool = False
 
 
 class ImitationEnv:
@@ -106,16 +108,18 @@ class ImitationEnv:
         self.reset()
 
     def step(
-        self, action: Array
+        self, action: Array, target: Array | None = None
     ) -> tuple[NDArray[np.float32], Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Observations, rewards (N,), terminated (N,), truncated (N,), extras.
 
         Robots that ended are already begun anew in the observations; extras["final_observation"]
         and extras["final_ids"] keep what the truncated ones last saw, for bootstrapping, and
-        extras["final_privileged"] what their critic saw.
+        extras["final_privileged"] what their critic saw. target: (N, 12) rad PD targets to use
+        instead of the action's (the baselines of a table).
         """
         action = clip_action(np.asarray(action, dtype=np.float64))
-        target = pd_target(action, self._noisy[:, :12], self.neutral, self.config.action)
+        if target is None:
+            target = pd_target(action, self._noisy[:, :12], self.neutral, self.config.action)
         self.history.push_action(action)
         target = limit_target(self.lowpass.step(target), self.world.target)
         self._push()
@@ -135,7 +139,7 @@ class ImitationEnv:
             extras["final_observation"] = self.history.observation()[late]
             extras["final_privileged"] = self.privileged()[late]
         done = np.flatnonzero(terminated | truncated)
-        if len(done):
+        if len(done) and not self.config.evaluation:
             extras["episode_tracked_ratio"] = self.tracked[done] / np.maximum(
                 self.bank.frames - self.begin[done], 1
             )
@@ -176,6 +180,11 @@ class ImitationEnv:
             10.0 * slope,
         ]
         return np.concatenate(parts, axis=1, dtype=np.float32)
+
+    @property
+    def noisy_joint_pos(self) -> Array:
+        """(N, 12) rad, the reference's joints as the policy sees them now."""
+        return self._noisy[:, :12]
 
     # ── inside ──────────────────────────────────────────────────────────────────────────────
 
@@ -223,15 +232,19 @@ class ImitationEnv:
         self.lowpass.reset(rest, where)
 
     def _draw_motions(self, n: int) -> NDArray[np.intp]:
+        if self.config.evaluation:
+            return self._choices[np.arange(n) % len(self._choices)]
         return self.rng.choice(self._choices, n)
 
     def _draw_frames(self, n: int) -> NDArray[np.intp]:
+        if self.config.evaluation:
+            return np.zeros(n, dtype=np.intp)
         # Reference-state initialisation: anywhere but the last second.
         return self.rng.integers(0, self.bank.frames - 31, n)
 
     def _push(self) -> None:
         scale = self.curriculum.stage.randomisation * self.config.push
-        if scale <= 0.0:
+        if scale <= 0.0 or self.config.evaluation:
             return
         ids = np.flatnonzero(
             self.rng.random(self.num_envs) < a1.CONTROL_DT / self.config.push_every

@@ -44,10 +44,10 @@ class PpoConfig:
 
     horizon: int = 24
     epochs: int = 4
-    minibatch: int = 4096
+    minibatch: int = 1536
     clip: float = 0.2
     learning_rate: float = 5e-4
-    desired_kl: float | None = 0.01
+    desired_kl: float | None = 0.015
     gamma: float = 0.95
     lam: float = 0.95
     entropy: float = 0.0005
@@ -85,7 +85,7 @@ class PolicyTraining:
     preset: Preset = "default"
     samples: int = 30_000_000
     hours: float = 100.0
-    num_envs: int = 512
+    num_envs: int = 256
     threads: int = 0
     seed: int = 0
     run: Path | None = None
@@ -140,9 +140,10 @@ class TorchEnv:
         """rsl-rl's augmentation: the batch, then the same batch seen in a mirror."""
         both = None
         if obs is not None:
-            groups = {
-                k: _with_mirror(cast(torch.Tensor, obs[k]), *self._mirror[k]) for k in obs.keys()
-            }  # noqa: SIM118
+            groups = {}
+            for name, mirror in self._mirror.items():
+                if name != "action":
+                    groups[name] = _with_mirror(cast(torch.Tensor, obs[name]), *mirror)
             both = TensorDict(groups, batch_size=[2 * obs.batch_size[0]])
         return both, None if actions is None else _with_mirror(actions, *self._mirror["action"])
 
