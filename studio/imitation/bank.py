@@ -161,7 +161,7 @@ def build_bank(
 
     names = task_names(state)
     key = json.dumps(
-        [VERSION, state, names, per_task, seconds, seed, list(difficulties), time_warp]
+        [_library_digest(), state, names, per_task, seconds, seed, list(difficulties), time_warp]
     )
     digest = hashlib.sha256(key.encode()).hexdigest()[:16]
     file = cache / f"bank-{state}-{digest}.npz" if cache else None
