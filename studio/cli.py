@@ -1,0 +1,261 @@
+"""The commands of contract.md: arguments in, one object or one line out; nothing is computed here.
+
+Rooms are imported by the command that needs them, so that `--help` answers at once.
+"""
+
+import json
+import logging
+import os
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")  # one BLAS thread in the loop (findings.md)
+
+import tyro
+
+from studio import __version__
+from studio.errors import StudioError
+
+Answer = dict[str, Any]
+State = Literal["auto", "stand", "walk", "sit"]
+Style = Literal["march", "circles", "semantic"]
+ControllerName = Literal["stand_still", "pd_playback", "policy"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Serve:
+    """Open the studio in a browser: prints one URL; opening it is all there is to do."""
+
+    source: str = "operator"
+    """operator[:TASK], bvh:FILE, frames:FILE, take:NAME or stream."""
+    host: str = "127.0.0.1"
+    """Address to listen on."""
+    port: int = 8080
+    """Port to listen on; 0 takes a free one."""
+    sessions: Path = Path("sessions")
+    """Folder of recorded takes."""
+    token: str | None = None
+    """What the URL carries as proof; made anew at each start if left out."""
+    seed: int = 0
+    """Of the synthetic operator."""
+    style: Style = "march"
+    """Which human motion means walking."""
+    controller: ControllerName | None = None
+    """What turns the reference into an action (default: policy once trained)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drive:
+    """Run the whole flow without a browser, as fast as it goes, and report on it."""
+
+    source: str
+    """operator[:TASK], bvh:FILE, frames:FILE or take:NAME."""
+    seconds: float | None = None
+    """When to end at the latest (an endless operator: 40 s, a tour of every task)."""
+    seed: int = 0
+    """Of the synthetic operator and the world."""
+    state: State = "auto"
+    """Stay in one state, or let the selector decide."""
+    style: Style = "march"
+    """Which human motion means walking."""
+    controller: ControllerName | None = None
+    """What turns the reference into an action (default: policy once trained)."""
+    scene: Literal["empty"] = "empty"
+    """What stands around the robot."""
+    mirror: bool = False
+    """Mirror the person."""
+    sessions: Path = Path("sessions")
+    """Folder of recorded takes."""
+    record: bool = False
+    """Keep the drive as a take."""
+    trace: Path | None = None
+    """Write a JSON line per tick to this file."""
+    realtime: bool = False
+    """Pace it at 30 Hz."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Bench:
+    """Measure the control period, the drive and the page on this machine."""
+
+    compare: Path | None = None
+    """An earlier --json to compare with."""
+    seconds: float = 20.0
+    """How long each part is measured."""
+    page: bool = True
+    """Also start a server, connect four clients and measure the loop's periods."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Evaluate:
+    """Make one of the tables: `a1-studio evaluate NAME`."""
+
+    name: tyro.conf.Positional[str]
+    """Which table; `a1-studio evaluate list` lists them."""
+    episodes: int | None = None
+    """Episodes a row (default: the table's own)."""
+    seed: int = 0
+    """Everything drawn follows from it."""
+    clips: Path | None = None
+    """Folder of real motion clips (people)."""
+    options: dict[str, str] = field(default_factory=dict)
+    """Further settings of a table, as KEY VALUE pairs."""
+
+
+# One function a command: argv (without the command's name) -> the object for --json, or None.
+
+
+def _serve(argv: Sequence[str]) -> None:
+    args = tyro.cli(Serve, prog="a1-studio serve", args=argv)
+    from studio.web.serve import ServeConfig, serve
+
+    serve(ServeConfig(**vars(args)))
+
+
+def _drive(argv: Sequence[str]) -> Answer:
+    args = tyro.cli(Drive, prog="a1-studio drive", args=argv)
+    from studio.evaluation.drive import DriveConfig, run_drive
+    from studio.live.safety import stale_orders
+
+    settings = {name: value for name, value in vars(args).items() if name != "scene"}
+    return run_drive(DriveConfig(**settings), guard=stale_orders)
+
+
+def _bench(argv: Sequence[str]) -> Answer:
+    args = tyro.cli(Bench, prog="a1-studio bench", args=argv)
+    from studio.evaluation.bench import BenchConfig, run_bench
+
+    return run_bench(BenchConfig(**vars(args)))
+
+
+def _evaluate(argv: Sequence[str]) -> Answer:
+    args = tyro.cli(Evaluate, prog="a1-studio evaluate", args=argv)
+    from studio.evaluation.registry import run_evaluation
+
+    return run_evaluation(
+        args.name, episodes=args.episodes, seed=args.seed, clips=args.clips, **args.options
+    )
+
+
+def _train(argv: Sequence[str]) -> Answer:
+    kinds = {"mapper": _train_mapper, "policy": _train_policy}
+    if not argv or argv[0] not in kinds:
+        _usage(f"a1-studio train {'|'.join(kinds)} [--help]", 0 if "--help" in argv else 2)
+    return kinds[argv[0]](argv[1:])
+
+
+def _train_mapper(argv: Sequence[str]) -> Answer:
+    from studio.training.mapper import MapperTraining, run_train_mapper
+
+    return run_train_mapper(tyro.cli(MapperTraining, prog="a1-studio train mapper", args=argv))
+
+
+def _train_policy(argv: Sequence[str]) -> Answer:
+    from studio.training.policy import PolicyTraining, run_train_policy
+
+    return run_train_policy(tyro.cli(PolicyTraining, prog="a1-studio train policy", args=argv))
+
+
+def _takes(argv: Sequence[str]) -> Any:
+    from studio.recording.commands import run_takes
+
+    return run_takes(argv)
+
+
+COMMANDS: dict[str, tuple[Callable[[Sequence[str]], Any], str]] = {
+    "serve": (_serve, "open the studio in a browser"),
+    "drive": (_drive, "run the whole flow without a browser and report on it"),
+    "takes": (_takes, "list, show, trim, label, align, verify, export, import, delete takes"),
+    "train": (_train, "train a mapper or a policy"),
+    "evaluate": (_evaluate, "make one of the tables or figures"),
+    "bench": (_bench, "measure this machine's figures"),
+}
+
+
+def main(argv: Sequence[str] | None = None) -> None:
+    """Run one command; exits with 0 done, 1 failed (one line says why), 2 bad usage."""
+    argv = list(sys.argv[1:] if argv is None else argv)
+    logging.basicConfig(
+        stream=sys.stderr, level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s"
+    )
+    if not argv or argv[0] in ("-h", "--help"):
+        _usage(_overview(), 0 if argv else 2)
+    if argv[0] == "--version":
+        print(f"a1-studio {__version__}")
+        raise SystemExit(0)
+    if argv[0] not in COMMANDS:
+        _usage(f"unknown command {argv[0]!r}\n\n{_overview()}", 2)
+    argv, destination = _take_json(argv)
+    try:
+        answer = COMMANDS[argv[0]][0](argv[1:])
+        status = answer.pop("_status", 0) if isinstance(answer, dict) else 0
+        _give(answer, destination)
+    except StudioError as error:
+        _fail(str(error))
+    except BrokenPipeError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise SystemExit(1) from None
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None
+    raise SystemExit(status)
+
+
+def _overview() -> str:
+    lines = [f"  {name:<10}{about}" for name, (_, about) in COMMANDS.items()]
+    return "\n".join(
+        [
+            "usage: a1-studio COMMAND [OPTIONS]",
+            "",
+            "Drive a Unitree A1 with your own body.",
+            "",
+            *lines,
+            "",
+            "a1-studio COMMAND --help lists a command's options. All but serve also take",
+            "--json FILE (- for standard output): one object with the result.",
+        ]
+    )
+
+
+def _usage(text: str, status: int) -> None:
+    print(text, file=sys.stdout if status == 0 else sys.stderr)
+    raise SystemExit(status)
+
+
+def _fail(why: str) -> None:
+    print(" ".join(why.split()), file=sys.stderr)
+    raise SystemExit(1)
+
+
+def _take_json(argv: list[str]) -> tuple[list[str], str | None]:
+    """The arguments without `--json FILE`, and FILE: every command writes its object so."""
+    for i, arg in enumerate(argv):
+        if arg == "--json":
+            if i + 1 == len(argv):
+                _usage("--json needs a FILE, or - for standard output", 2)
+            return argv[:i] + argv[i + 2 :], argv[i + 1]
+        if arg.startswith("--json="):
+            return argv[:i] + argv[i + 1 :], arg.removeprefix("--json=")
+    return argv, None
+
+
+def _give(answer: Any, destination: str | None) -> None:
+    """The object to its file, or what people read of it to the terminal."""
+    if answer is None:
+        return
+    text = json.dumps(answer, indent=1, default=float)
+    if destination == "-" or destination is None:
+        print(text)
+        return
+    try:
+        path = Path(destination)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text + "\n", encoding="utf-8")
+    except OSError as error:
+        raise StudioError(f"cannot write {destination}: {error.strerror}") from error
+
+
+if __name__ == "__main__":
+    main()
