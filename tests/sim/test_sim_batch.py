@@ -1,0 +1,130 @@
+"""Batched worlds: delay against its closed form, draws against Table I, one world against many."""
+
+import numpy as np
+import pytest
+
+from studio import spatial
+from studio.robot import a1
+from studio.sim import randomize
+from studio.sim.batch import BatchConfig, BatchWorld, delayed_controls
+
+N = 4
+
+
+def stand(n: int) -> tuple[np.ndarray, np.ndarray]:
+    pose = np.r_[0.0, 0.0, a1.STAND_HEIGHT, 1.0, 0.0, 0.0, 0.0, a1.STAND_JOINT_POS]
+    return np.tile(pose, (n, 1)), np.zeros((n, 18))
+
+
+def make(n: int = N, seed: int = 0, **settings: object) -> BatchWorld:
+    world = BatchWorld(BatchConfig(num_envs=n, threads=1, **settings), seed=seed)  # type: ignore[arg-type]
+    world.reset(np.arange(n), *stand(n))
+    return world
+
+
+def test_delay_switches_targets_at_its_time() -> None:
+    old, new = np.zeros((3, 12)), np.ones((3, 12))
+    out = delayed_controls(old, new, np.array([0.0, 0.004, 0.006]), 0.004, 4)[..., 0]
+    # no delay; one whole substep; one and a half: the second substep is half old, half new
+    assert out[0] == pytest.approx([1.0, 1.0, 1.0, 1.0])
+    assert out[1] == pytest.approx([0.0, 1.0, 1.0, 1.0])
+    assert out[2] == pytest.approx([0.0, 0.5, 1.0, 1.0])
+
+
+def test_delay_keeps_the_impulse_of_the_zero_order_hold() -> None:
+    rng = np.random.default_rng(0)
+    delay = rng.uniform(0.0, 0.016, 50)
+    out = delayed_controls(np.zeros((50, 12)), np.ones((50, 12)), delay, 1 / 240, 8)
+    # ∫ target over the period = period − delay
+    assert out.mean(axis=1)[:, 0] / 30 == pytest.approx(1 / 30 - delay)
+
+
+def test_draws_fill_the_ranges_of_table_one() -> None:
+    drawn = randomize.draw(np.random.default_rng(0), 20000, 13)
+    slope = np.linalg.norm(drawn.slope_axis, axis=1)
+    for values, (low, high) in (
+        (drawn.mass, (0.75, 1.25)),
+        (drawn.friction, (0.5, 1.5)),
+        (drawn.kp, (0.7, 1.3)),
+        (drawn.kd, (0.7, 1.3)),
+        (drawn.delay, (0.0, 0.016)),
+        (slope, (0.0, 0.14)),
+    ):
+        assert low <= values.min()
+        assert values.max() <= high
+        assert values.mean() == pytest.approx((low + high) / 2, rel=0.02)
+        # the deviation of a uniform distribution is its width over √12
+        assert values.std() == pytest.approx((high - low) / np.sqrt(12.0), rel=0.02)
+
+
+def test_links_are_drawn_independently_of_each_other() -> None:
+    mass = randomize.draw(np.random.default_rng(0), 5000, 13).mass
+    off_diagonal = np.corrcoef(mass.T) - np.eye(13)
+    assert np.abs(off_diagonal).max() < 0.06
+
+
+def test_scale_zero_is_the_nominal_robot() -> None:
+    drawn = randomize.draw(np.random.default_rng(0), 5, 13, scale=0.0)
+    for values in (drawn.mass, drawn.friction, drawn.kp, drawn.kd):
+        assert np.all(values == 1.0)
+    assert not drawn.delay.any()
+    assert not drawn.slope_axis.any()
+    assert drawn.period == 0.0
+
+
+def test_tilted_gravity_is_the_world_seen_from_the_slope() -> None:
+    axis = np.array([[0.1, 0.0], [0.0, 0.14], [0.05, -0.08]])
+    rotation = spatial.quat_from_rotvec(np.concatenate([axis, np.zeros((3, 1))], axis=1))
+    down = np.tile([0.0, 0.0, -9.81], (3, 1))
+    assert randomize.gravity(axis) == pytest.approx(spatial.quat_rotate_inverse(rotation, down))
+
+
+def test_dynamics_reach_the_physics() -> None:
+    world = make(2)
+    drawn = randomize.draw(np.random.default_rng(5), 2, world.num_links)
+    world.set_dynamics(np.arange(2), drawn)
+    model = world._batch.get_model(1)
+    assert model.body_mass[1:] == pytest.approx(world.model.body_mass[1:] * drawn.mass[1])
+    assert model.geom_friction[:, 0] == pytest.approx(np.full(world.model.ngeom, drawn.friction[1]))
+    assert model.actuator_gainprm[:, 0] == pytest.approx(np.full(12, a1.KP * drawn.kp[1]))
+    assert model.actuator_biasprm[:, 2] == pytest.approx(np.full(12, -a1.KD * drawn.kd[1]))
+    assert model.opt.gravity == pytest.approx(randomize.gravity(drawn.slope_axis)[1])
+
+
+def test_robots_do_not_feel_each_other() -> None:
+    alone, together = make(1), make(3)
+    together.push(np.array([1, 2]), np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]))
+    for _ in range(10):
+        alone.step(alone.target)
+        together.step(together.target)
+    assert np.array_equal(alone.qpos[0], together.qpos[0])
+    assert together.base_pos[1, 0] > 0.02
+
+
+def test_a_batch_stands_for_three_seconds() -> None:
+    world = make()
+    for _ in range(90):
+        world.step(np.tile(a1.STAND_JOINT_POS, (N, 1)))
+    assert np.all(np.abs(world.base_pos[:, 2] - a1.STAND_HEIGHT) < 0.03)
+
+
+def test_threads_do_not_change_the_result() -> None:
+    results = []
+    for threads in (1, 2):
+        world = BatchWorld(BatchConfig(num_envs=6, threads=threads), seed=3)
+        world.reset(np.arange(6), *stand(6))
+        world.set_dynamics(
+            np.arange(6), randomize.draw(np.random.default_rng(1), 6, world.num_links)
+        )
+        for k in range(8):
+            world.step(np.tile(a1.STAND_JOINT_POS + 0.05 * k, (6, 1)))
+        results.append(np.array(world.qpos))
+    assert np.array_equal(*results)
+
+
+def test_a_slope_makes_the_imu_lean() -> None:
+    world = make(1)
+    drawn = randomize.draw(np.random.default_rng(0), 1, world.num_links)
+    world.set_dynamics(np.arange(1), drawn)
+    rotvec = spatial.quat_to_rotvec(world.imu_quat[0])
+    assert rotvec[:2] == pytest.approx(drawn.slope_axis[0])
