@@ -109,12 +109,23 @@ def _stack(
     }
 
 
+class _Meta(msgspec.Struct):
+    """The types of what others read from meta.json; more may be in it."""
+
+    label: str = ""
+    started: str = ""
+    ticks: int = 0
+    seconds: float = 0.0
+    about: dict[str, Any] = {}
+
+
 def read_meta(folder: Path) -> dict[str, Any]:
     """A take's meta.json; StudioError if it is missing, damaged or of another major version."""
     try:
         meta = msgspec.json.decode((folder / META).read_bytes())
         version = meta["format_version"]
-    except (OSError, msgspec.DecodeError, KeyError, TypeError) as error:
+        msgspec.convert(meta, _Meta)
+    except (OSError, msgspec.MsgspecError, KeyError, TypeError) as error:
         raise StudioError(f"{META} of take {folder.name} is missing or damaged") from error
     if version != FORMAT_VERSION:
         raise StudioError(

@@ -34,7 +34,7 @@ def _split(joint_pos: ArrayLike) -> tuple[Array, Array, Array]:
     return q[..., 0::3], q[..., 1::3], q[..., 2::3]
 
 
-def _from_hip_frame(a: Array, x: Array, y: ArrayLike, z: Array) -> Array:
+def _from_hip_frame(a: Array, x: Array, y: Array, z: Array) -> Array:
     """Points (..., 4, 3) in the base frame of coordinates in each hip's turned frame."""
     sa, ca = np.sin(a), np.cos(a)
     out = np.empty(np.shape(x) + (3,))

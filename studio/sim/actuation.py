@@ -4,6 +4,8 @@ The PD law itself and the torque limit are the model's actuators (`sim.spec`): t
 clip(kp (target - q) - kd qd, +-33.5 N m), evaluated at every physics step.
 """
 
+from typing import cast
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import signal
@@ -24,7 +26,8 @@ class LowPass:
     """
 
     def __init__(self, cutoff_hz: float = CUTOFF_HZ, rate_hz: float = a1.CONTROL_HZ) -> None:
-        self._b, self._a = signal.butter(2, cutoff_hz, fs=rate_hz)
+        b, a = cast(tuple[Array, Array], signal.butter(2, cutoff_hz, fs=rate_hz))
+        self._b, self._a = b.tolist(), a.tolist()
         self._state: tuple[Array, Array] | None = None
 
     def reset(self, value: ArrayLike, where: ArrayLike | None = None) -> None:
@@ -59,6 +62,7 @@ def limit_target(target: ArrayLike, previous: ArrayLike | None = None) -> Array:
     """
     out = np.asarray(target, dtype=np.float64)
     if previous is not None:
+        before = np.asarray(previous, dtype=np.float64)
         reach = a1.SPEED_LIMIT * a1.CONTROL_DT
-        out = np.minimum(np.maximum(out, previous - reach), previous + reach)
+        out = np.minimum(np.maximum(out, before - reach), before + reach)
     return np.minimum(np.maximum(out, a1.JOINT_LOWER), a1.JOINT_UPPER)

@@ -94,7 +94,10 @@ def build_meshes() -> dict[str, LinkMesh]:
     by_name = {link.name: link for link in load_urdf().links}
     for name in a1.LINKS:
         visual = by_name[name].visuals[0]
-        file = Path(visual.geometry.mesh.filename).stem
+        shape = visual.geometry
+        assert shape is not None
+        assert shape.mesh is not None
+        file = Path(shape.mesh.filename).stem
         origin = np.eye(4) if visual.origin is None else visual.origin
         key = file, np.round(origin, 9).tobytes()
         if key not in turned:

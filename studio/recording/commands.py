@@ -1,0 +1,83 @@
+"""`a1-studio takes …`: one function per command, sessions folder in, plain values out."""
+
+from pathlib import Path
+from typing import Any
+
+from studio.recording.exports import export
+from studio.recording.library import SessionLibrary
+
+
+def list_takes(sessions: Path) -> dict[str, Any]:
+    """{"takes": [TakeInfo …]}."""
+    return {"takes": [info.as_dict() for info in SessionLibrary(sessions).list()]}
+
+
+def show_take(sessions: Path, name: str) -> dict[str, Any]:
+    """One take's line with what the tape itself says: streams' counts, states, meta.json."""
+    library = SessionLibrary(sessions)
+    take = library.read(name)
+    states: dict[str, int] = {}
+    for tick in take.ticks:
+        states[tick.state] = states.get(tick.state, 0) + 1
+    return library.info(name).as_dict() | {
+        "seconds": round(take.seconds, 6),
+        "ticks": len(take),
+        "problems": list(take.problems),
+        "human_frames": 0 if take.human is None else len(take.human),
+        "state_seconds": {k: round(v * take.seconds / max(1, len(take)), 6) for k, v in states.items()},
+        "meta": take.meta,
+    }
+
+
+def trim_take(
+    sessions: Path, name: str, start: float | None = None, end: float | None = None
+) -> dict[str, Any]:
+    """Keep only [start, end] s; a missing bound is the take's own, both missing clears the trim."""
+    library = SessionLibrary(sessions)
+    if start is None and end is None:
+        return library.edit(name, trim=None).as_dict()
+    last = library.info(name).seconds
+    return library.edit(name, trim=(start or 0.0, last if end is None else end)).as_dict()
+
+
+def label_take(sessions: Path, name: str, label: str) -> dict[str, Any]:
+    """Give a take another label."""
+    return SessionLibrary(sessions).edit(name, label=label).as_dict()
+
+
+def undo_take(sessions: Path, name: str) -> dict[str, Any]:
+    """Take the last edit back."""
+    return SessionLibrary(sessions).undo(name).as_dict()
+
+
+def redo_take(sessions: Path, name: str) -> dict[str, Any]:
+    """Do the last edit taken back again."""
+    return SessionLibrary(sessions).redo(name).as_dict()
+
+
+def verify_takes(sessions: Path, name: str | None = None) -> dict[str, Any]:
+    """{"takes": […]}; a take with "readable" false is what exit status 1 is for."""
+    return {"takes": SessionLibrary(sessions).verify(name)}
+
+
+def delete_take(sessions: Path, name: str) -> dict[str, Any]:
+    """Move a take to the bin."""
+    return {"name": name, "bin": str(SessionLibrary(sessions).delete(name))}
+
+
+def export_take(
+    sessions: Path, name: str, format_name: str, out: Path | None = None
+) -> dict[str, Any]:
+    """Write a take in another format: jsonl, npz, csv, bvh; into the working folder by default."""
+    take = SessionLibrary(sessions).read(name)
+    path = export(take, format_name, Path.cwd() if out is None else out)
+    return {"name": name, "format": format_name, "file": str(path)}
+
+
+def import_take(sessions: Path, folder: Path, name: str | None = None) -> dict[str, Any]:
+    """Copy takes from elsewhere: one take's folder, or a folder of takes."""
+    library = SessionLibrary(sessions)
+    if (folder / "tape.mcap").exists():
+        return {"takes": [library.add(folder, name)]}
+    inside = sorted(p.parent for p in folder.glob("*/tape.mcap"))
+    return {"takes": [library.add(path) for path in (inside or [folder])]}
