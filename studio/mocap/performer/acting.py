@@ -35,7 +35,7 @@ def act(
     if person.style == "circles":
         march = np.zeros_like(march)
     trunk, pelvis = _trunk(h, s, pace, sit, body_sway, march, bell)
-    knee, shank, heel, out = _knees(h, s, sit)
+    knee, shank, heel, out = _knees(h, s, sit, body_sway[:, 7])
     lift, lift_knee, point = _lifts(h, s, bell, march)
     shift = np.stack(
         [
@@ -109,9 +109,10 @@ def _lead(h: Habits, tempo: Array, phase: Array) -> Array:
 
 def _lifts(h: Habits, s: Array, bell: Array, march: Array) -> tuple[Array, Array, Array]:
     """Thigh lift, knee flexion and toe pointing (T, 2) of the swinging legs."""
-    high = h.step_low + (h.step_high - h.step_low) * s[:, sig.LIFT, None]
+    share = np.maximum(s[:, sig.LIFT, None], 0.0) ** 0.7
+    high = h.step_low + (h.step_high - h.step_low) * share
     # Nobody throws the knees up twice a second as high as once.
-    high = high / (1.0 + 0.35 * np.maximum(s[:, sig.CADENCE, None] - 1.2, 0.0))
+    high = high / (1.0 + 0.9 * np.maximum(s[:, sig.CADENCE, None] - 0.8, 0.0))
     lift = high * h.step_asymmetry * bell * march
     # A jog lifts the heel behind instead of the thigh in front.
     jog = smoothstep((s[:, sig.CADENCE, None] - 0.9) / 0.5) * np.maximum(1.2 - high, 0.0)
@@ -149,11 +150,13 @@ def _trunk(
     return trunk, pelvis
 
 
-def _knees(h: Habits, s: Array, sit: Array) -> tuple[Array, Array, Array, Array]:
+def _knees(h: Habits, s: Array, sit: Array, sway: Array) -> tuple[Array, Array, Array, Array]:
     """Knee, shank, heel and knees-out angles (T,) of standing, crouching and squatting."""
     stand = h.knee_rest + (h.crouch_knee - h.knee_rest) * s[:, sig.CROUCH]
     deep = smoothstep(sit / 0.95)
-    knee = stand + (h.squat_knee - stand) * sit
+    # Wobbling knees: both ways when bent, only ever bending further when nearly straight.
+    sway = np.where(sway > 0.0, sway, sway * smoothstep((stand - 0.05) / 0.3))
+    knee = stand + (h.squat_knee - stand) * sit + sway * (1.0 + 1.5 * sit)
     shank = h.shank_share * h.knee_rest + 0.48 * (stand - h.knee_rest)
     shank = shank + (h.squat_shank - shank) * sit
     bent = np.clip(knee / 1.8, 0.0, 1.0)

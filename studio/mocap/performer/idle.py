@@ -17,7 +17,8 @@ class Gesture:
     """An idle pose of the arms: (fwd, out, twist, flex) in degrees, and how it moves about it.
 
     arms: "both" or "one". wave: amplitudes in degrees, `hz` times a second; the second phase of a
-    circle is on the outward angle, a quarter turn later.
+    circle is on the outward angle, a quarter turn later. spread: degrees by which people differ.
+    share: how often, beside the others.
     """
 
     arms: str
@@ -25,6 +26,7 @@ class Gesture:
     wave: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     hz: float = 0.0
     spread: float = 10.0
+    share: float = 1.0
 
 
 GESTURES: dict[str, Gesture] = {
@@ -33,13 +35,15 @@ GESTURES: dict[str, Gesture] = {
     "clasped": Gesture(arms="both", pose=(15, 6, 40, 70)),
     "behind": Gesture(arms="both", pose=(-28, 10, 30, 35)),
     "pockets": Gesture(arms="both", pose=(-6, 18, 10, 40)),
-    "sideways": Gesture(arms="both", pose=(5, 88, 0, 8)),
-    "elbows_out": Gesture(arms="both", pose=(20, 60, 30, 95), spread=14.0),
-    "wings": Gesture(arms="both", pose=(10, 72, 0, 30), wave=(30, 8, 0, 15), hz=0.5, spread=14.0),
-    "overhead": Gesture(arms="both", pose=(75, 105, 0, 25), spread=14.0),
+    "sideways": Gesture(arms="both", pose=(5, 88, 0, 8), share=3.0),
+    "elbows_out": Gesture(arms="both", pose=(20, 60, 30, 95), spread=14.0, share=2.5),
+    "wings": Gesture(
+        arms="both", pose=(10, 72, 0, 30), wave=(40, 8, 0, 15), hz=0.6, spread=14.0, share=2.5
+    ),
+    "overhead": Gesture(arms="both", pose=(75, 105, 0, 25), spread=14.0, share=2.0),
     "bar": Gesture(arms="both", pose=(-5, 42, -50, 108)),
-    "circling": Gesture(arms="both", pose=(60, 60, 0, 15), wave=(55, 45, 0, 8), hz=0.6),
-    "swinging": Gesture(arms="both", pose=(0, 12, 5, 15), wave=(28, 4, 0, 10), hz=0.5),
+    "circling": Gesture(arms="both", pose=(60, 60, 0, 15), wave=(60, 50, 0, 8), hz=0.8, share=2.5),
+    "swinging": Gesture(arms="both", pose=(0, 12, 5, 15), wave=(40, 8, 0, 15), hz=0.8, share=2.5),
     "one_hip": Gesture(arms="one", pose=(-20, 45, 50, 95)),
     "scratching": Gesture(arms="one", pose=(75, 38, 10, 135), wave=(4, 4, 0, 10), hz=2.0),
     "watch": Gesture(arms="one", pose=(38, 10, 55, 95)),
@@ -47,6 +51,9 @@ GESTURES: dict[str, Gesture] = {
     "waving": Gesture(arms="one", pose=(40, 80, -40, 80), wave=(0, 0, 25, 12), hz=1.5),
     "half_aside": Gesture(arms="one", pose=(10, 55, 0, 25)),
 }
+_NAMES = list(GESTURES)
+_SHARES = np.array([gesture.share for gesture in GESTURES.values()])
+_SHARES /= _SHARES.sum()
 _SETTLE_S = 0.8
 
 
@@ -69,7 +76,7 @@ class Fidgets:
 
     def _begin(self) -> None:
         rng = self._rng
-        gesture = GESTURES[str(rng.choice(list(GESTURES)))]
+        gesture = GESTURES[_NAMES[rng.choice(len(_NAMES), p=_SHARES)]]
         spread = rng.normal(0.0, gesture.spread, 4) * np.array([1.0, 0.6, 0.8, 1.0])
         uneven = rng.normal(0.0, 0.3 * gesture.spread, (2, 4))
         self._pose = np.radians(np.asarray(gesture.pose) + spread + uneven)
@@ -104,20 +111,29 @@ class Fidgets:
 
 
 class Sway:
-    """Slow wander of a body that stands "still": columns as named in `COLUMNS`."""
+    """Slow wander of a body that stands "still", and the quicker jiggling of a lively one."""
 
-    # standard deviations: pelvis forward, left (m); trunk roll, pitch, yaw; head pitch, yaw (rad)
-    SIZE = np.array([0.008, 0.006, 0.008, 0.012, 0.014, 0.05, 0.09])
+    # standard deviations: pelvis forward, left (m); trunk roll, pitch, yaw; head pitch, yaw;
+    # knees (rad)
+    SIZE = np.array([0.008, 0.006, 0.008, 0.012, 0.014, 0.05, 0.09, 0.015])
+    LIVELY = np.array([0.012, 0.015, 0.035, 0.03, 0.07, 0.05, 0.08, 0.04])
+    ARMS = np.array([0.04, 0.025, 0.06, 0.05])
+    ARMS_LIVELY = np.array([0.12, 0.06, 0.10, 0.14])
 
     def __init__(self, person: Person, rng: np.random.Generator) -> None:
-        body, arms, beat = rng.spawn(3)
+        body, arms, beat, quick = rng.spawn(4)
+        trunk, limbs = quick.spawn(2)
         self._body = Drift(body, (len(self.SIZE),), 0.7, DT)
         self._arms = Drift(arms, (2, 4), 0.5, DT)
         self._beat = Drift(beat, (1,), 1.0, DT)
-        self._size = person.habits.sway
+        self._quick = Drift(trunk, (len(self.SIZE),), 0.13, DT)
+        self._quick_arms = Drift(limbs, (2, 4), 0.13, DT)
+        self._size, self._lively = person.habits.sway, person.habits.lively
 
     def __call__(self, steps: int) -> tuple[Array, Array, Array]:
-        """Body (T, 7), arms (T, 2, 4) rad and the march's timing (T,) of unit spread."""
+        """Body (T, 8) as in SIZE, arms (T, 2, 4) rad, the march's timing (T,) of unit spread."""
         body = self._size * self.SIZE * self._body(steps)
-        arms = self._size * np.array([0.04, 0.025, 0.06, 0.05]) * self._arms(steps)
+        body = body + self._lively * self.LIVELY * self._quick(steps)
+        arms = self._size * self.ARMS * self._arms(steps)
+        arms = arms + self._lively * self.ARMS_LIVELY * self._quick_arms(steps)
         return body, arms, self._beat(steps)[:, 0]

@@ -48,6 +48,7 @@ class Habits:
     knee_rest: float = 0.10
     shank_share: float = 0.5  # share of the resting knee's angle that the ankle takes
     sway: float = 1.0
+    lively: float = 0.2  # jiggling, bouncing and swinging along, from 0 to 1
     facing: float = 0.0
     # trunk
     gain: Array = field(default_factory=lambda: np.array([0.9, 1.9, 0.9, 1.4]))
@@ -177,6 +178,7 @@ def _habits(rng: np.random.Generator) -> Habits:
         knee_rest=deg(3, 24),
         shank_share=u(0.4, 0.75),
         sway=u(0.4, 1.8),
+        lively=float(rng.beta(0.8, 1.6)),
         facing=float(np.clip(rng.normal(0.0, 0.1), -0.25, 0.25)),
         gain=np.array([u(0.65, 1.1), u(1.3, 2.2), u(0.6, 1.0), u(1.0, 2.3)]),
         sit_gain=np.array([u(1.2, 2.2), u(1.3, 2.4), u(0.9, 1.8), u(1.6, 3.5)]),
@@ -200,8 +202,8 @@ def _habits(rng: np.random.Generator) -> Habits:
         raise_side=deg(65, 90),
         raise_flex=np.radians((u(3, 25) if straight else u(30, 80)) + rng.uniform(0, 8, 2)),
         raise_aside=np.radians(rng.uniform(-8, 18, 2)),
-        step_low=deg(28, 42),
-        step_high=deg(75, 110),
+        step_low=deg(26, 40),
+        step_high=deg(80, 110),
         step_shape=u(0.75, 1.2),
         step_skew=u(0.85, 1.15),
         step_asymmetry=1.0 + np.clip(rng.normal(0.0, 0.06, 2), -0.15, 0.15),
@@ -216,7 +218,7 @@ def _habits(rng: np.random.Generator) -> Habits:
         tuck=u(0.2, 0.9),
         weight_shift=u(0.01, 0.06),
         bob=u(0.0, 0.035),
-        march_sway=deg(0, 9),
+        march_sway=deg(0, 12),
         turn_yaw=u(1.4, 3.0),
         turn_lean=u(-0.2, 0.5) if rng.random() < 0.65 else u(0.6, 1.4),
         timing=u(0.0, 0.02),

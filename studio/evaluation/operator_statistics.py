@@ -1,0 +1,206 @@
+"""The synthetic operator beside real people: 5th to 95th percentiles of q, q̇, q̈, as a figure.
+
+`python -m studio.evaluation.operator_statistics --clips DIR` draws it into `models/`.
+"""
+
+import argparse
+import json
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.errors import StudioError
+from studio.human.calibration import calibrate
+from studio.human.features import FEATURE_NAMES, clip_features
+from studio.human.pose import HumanClip
+from studio.mocap.bvh import load_bvh
+from studio.mocap.frames import load_frames
+from studio.mocap.performer import Person, exercise, labels, play, squats
+from studio.mocap.performer.signals import of_track
+from studio.reference.intent import STATES
+from studio.reference.library import TASKS
+
+Array = NDArray[np.float64]
+log = logging.getLogger(__name__)
+
+ORDERS = ("q", "q̇", "q̈")
+LOW, HIGH = 5.0, 95.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Ranges:
+    """Percentiles of one state's features.
+
+    real, operator: (3, 2, F) orders q, q̇, q̈ × (5th, 95th) × features. frames: real ones.
+    """
+
+    real: Array
+    operator: Array
+    frames: int
+
+    @property
+    def coverage(self) -> Array:
+        """(3, F) share of the real range that lies inside the operator's."""
+        low = np.maximum(self.real[:, 0], self.operator[:, 0])
+        high = np.minimum(self.real[:, 1], self.operator[:, 1])
+        width = np.maximum(self.real[:, 1] - self.real[:, 0], 1e-6)
+        return np.clip((high - low) / width, 0.0, 1.0)
+
+
+def real_features(folder: Path) -> dict[str, Array]:
+    """Per state (3, N, F) features of the labelled frames of the clips in `folder`.
+
+    `labels.json` there tells, per file, which stretches are stand, walk or sit. Raises
+    StudioError where there is none, or nothing is labelled.
+    """
+    labels_file = folder / "labels.json"
+    if not labels_file.is_file():
+        raise StudioError(f"no labels.json in {folder}: name a folder of labelled clips")
+    found: dict[str, list[Array]] = {state: [] for state in STATES}
+    for name, spans in json.loads(labels_file.read_text()).items():
+        if not spans:
+            continue
+        clip = _load(folder / name).at_rate(30.0)
+        triplet = _features(clip)
+        for span in spans:
+            inside = (clip.t >= span["from"]) & (clip.t <= span["to"])
+            found[span["expert"]].append(triplet[:, inside])
+    if not any(found.values()):
+        raise StudioError(f"{labels_file} labels nothing: each file needs spans with an expert")
+    return {state: np.concatenate(parts, axis=1) for state, parts in found.items() if parts}
+
+
+def operator_features(
+    people: int, rng: np.random.Generator, family: str = "default"
+) -> dict[str, Array]:
+    """Per state (3, N, F) features of people doing every task, exercises and squats, 12 s each."""
+    found: dict[str, list[Array]] = {state: [] for state in STATES}
+    for _ in range(people):
+        person = Person.sample(rng, family, sensor="mocap")
+        signals = [of_track(task.sample(rng, 12.0)) for task in TASKS.values()]
+        signals += [of_track(exercise(rng, 12.0)) for _ in range(6)]
+        signals += [squats(rng, 12.0) for _ in range(3)]
+        for signal in signals:
+            performance = play(signal, person, rng, "operator")
+            state = labels(performance.true_pos_w, signal)
+            triplet = _features(performance.clip)
+            state[:30] = ""  # the filters settle
+            for name, parts in found.items():
+                parts.append(triplet[:, state == name])
+    return {state: np.concatenate(parts, axis=1) for state, parts in found.items()}
+
+
+def operator_statistics(
+    clips: Path, people: int = 12, seed: int = 0, family: str = "default"
+) -> dict[str, Ranges]:
+    """Ranges per state of the labelled clips of a folder and of as many sampled people."""
+    real = real_features(clips)
+    acted = operator_features(people, np.random.default_rng(seed), family)
+    return {
+        state: Ranges(real=_percentiles(x), operator=_percentiles(acted[state]), frames=x.shape[1])
+        for state, x in real.items()
+    }
+
+
+def _percentiles(x: Array) -> Array:
+    return np.moveaxis(np.percentile(x, [LOW, HIGH], axis=1), 0, 1)
+
+
+def _features(clip: HumanClip) -> Array:
+    known = calibrate([clip[i] for i in range(0, len(clip), 3)])
+    return np.stack(clip_features(clip, known))
+
+
+def _load(path: Path) -> HumanClip:
+    return load_bvh(path) if path.suffix == ".bvh" else load_frames(path)[0]
+
+
+def plot(statistics: dict[str, Ranges], path: Path) -> None:
+    """Draw the ranges: a row per state, a column per order, a pair of bars per feature."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    order = _drawing_order()
+    x = np.arange(len(order))
+    units = ("m", "m/s", "m/s²")
+    figure, axes = plt.subplots(
+        len(statistics), 3, figsize=(17, 2.9 * len(statistics) + 1.5), sharex=True, squeeze=False
+    )
+    for row, (state, ranges) in zip(axes, statistics.items()):
+        for k, axis in enumerate(row):
+            acted, real = ranges.operator[k][:, order], ranges.real[k][:, order]
+            axis.bar(x, acted[1] - acted[0], 0.9, acted[0], color="#a9c7e8", label="operator")
+            axis.bar(x, real[1] - real[0], 0.36, real[0], color="#c8553d", label="real people")
+            axis.set_title(
+                f"{state}  {ORDERS[k]} [{units[k]}]   {100 * ranges.coverage[k].mean():.0f} % "
+                "of the real range covered",
+                fontsize=9,
+                loc="left",
+            )
+            axis.grid(axis="y", alpha=0.3)
+            axis.spines[["top", "right"]].set_visible(False)
+            axis.tick_params(labelsize=7)
+            axis.margins(x=0.01)
+            for edge in _part_edges(order):
+                axis.axvline(edge - 0.5, color="k", lw=0.4, alpha=0.4)
+    for axis in axes[-1]:
+        axis.set_xticks(x, [FEATURE_NAMES[i] for i in order], rotation=90, fontsize=5)
+    axes[0, 0].legend(fontsize=8, loc="upper left", frameon=False, ncols=2)
+    frames = ", ".join(f"{r.frames} {s}" for s, r in statistics.items())
+    figure.suptitle(
+        "The synthetic operator beside real people: 5th to 95th percentile of every feature\n"
+        f"joints relative to the pelvis on the template's body (height in leg lengths); real: "
+        f"labelled frames of the CMU and Kinect clips ({frames})",
+        fontsize=11,
+    )
+    figure.tight_layout()
+    path.parent.mkdir(parents=True, exist_ok=True)
+    figure.savefig(path, dpi=100)
+    plt.close(figure)
+
+
+_PARTS = ("spine", "chest", "neck", "head", "_shoulder", "_elbow", "_wrist", "_hip", "_knee",
+          "_ankle", "_toe", "height")  # fmt: skip
+
+
+def _part(name: str) -> int:
+    return next(i for i, part in enumerate(_PARTS) if name.split(".")[0].endswith(part))
+
+
+def _drawing_order() -> list[int]:
+    """Features by body part, then axis, then side."""
+    return sorted(
+        range(len(FEATURE_NAMES)),
+        key=lambda i: (_part(FEATURE_NAMES[i]), FEATURE_NAMES[i][-1], FEATURE_NAMES[i]),
+    )
+
+
+def _part_edges(order: list[int]) -> list[int]:
+    parts = [_part(FEATURE_NAMES[i]) for i in order]
+    return [i for i in range(1, len(parts)) if parts[i] != parts[i - 1]]
+
+
+def main() -> None:
+    """Draw the figure and log how much of the real ranges the operator covers."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--clips", type=Path, required=True, help="folder of labelled real clips")
+    parser.add_argument("--out", type=Path, default=Path("models/operator_statistics.png"))
+    parser.add_argument("--people", type=int, default=12)
+    parser.add_argument("--family", default="default")
+    parser.add_argument("--seed", type=int, default=0)
+    args = parser.parse_args()
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    statistics = operator_statistics(args.clips, args.people, args.seed, args.family)
+    plot(statistics, args.out)
+    for state, ranges in statistics.items():
+        share = 100.0 * ranges.coverage.mean(axis=1)
+        log.info("%-5s covers q %.0f %%, q̇ %.0f %%, q̈ %.0f %%", state, *share)
+
+
+if __name__ == "__main__":
+    main()
