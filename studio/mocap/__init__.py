@@ -7,7 +7,11 @@ from pathlib import Path
 from studio.errors import StudioError, unknown_name
 from studio.mocap.source import Source, SourceEnded
 
-__all__ = ["SOURCES", "Opening", "Source", "SourceEnded", "SourceKind", "open_source"]
+__all__ = ["SOURCES", "Source", "SourceEnded", "SourceKind", "open_source"]
+
+
+DEFAULT_SESSIONS = Path("sessions")
+"""Where takes are looked for unless told."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -66,7 +70,7 @@ def _frames(o: Opening) -> Source:
 def _take(o: Opening) -> Source:
     from studio.mocap.take import TakeSource
 
-    return TakeSource(o.needed(), o.sessions)
+    return TakeSource(o.needed(), o.sessions or DEFAULT_SESSIONS)
 
 
 def _stream(o: Opening) -> Source:
