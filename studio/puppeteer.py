@@ -298,10 +298,14 @@ def fell(reference: RobotPose, robot: RobotState) -> bool:
     """The trunk touches the ground, or its tilt is over 60 degrees from the reference's."""
     if robot.trunk_contact:
         return True
-    up = np.array([0.0, 0.0, 1.0])
-    a = spatial.quat_rotate_inverse(reference.base_quat, up)
-    b = spatial.quat_rotate_inverse(robot.base_quat, up)
-    return bool(a @ b < np.cos(np.radians(FALLEN_TILT_DEG)))
+    up = float(_up(reference.base_quat) @ _up(robot.base_quat))
+    return up < np.cos(np.radians(FALLEN_TILT_DEG))
+
+
+def _up(quat: np.ndarray) -> np.ndarray:
+    """(3,) the world's up in the body's frame: the last row of the rotation matrix."""
+    w, x, y, z = quat.tolist()
+    return np.array([2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)])
 
 
 def why_still(mapped: Retargeted, lock: str | None, age: float) -> str:

@@ -29,9 +29,9 @@ IN_THE_AIR = a1.FOOT_RADIUS + 0.008
 CROUCH_HEIGHT = 0.13
 """m, base height from which the robot stands up; the trunk is clear of the floor."""
 SPEED_LIMIT: dict[StateName, float] = {
-    "stand": float(np.radians(120.0)),
-    "walk": float(np.radians(900.0)),
-    "sit": float(np.radians(120.0)),
+    "stand": float(np.radians(119.99)),
+    "walk": float(np.radians(899.9)),
+    "sit": float(np.radians(119.99)),
 }
 """rad/s, of the reference's joints (paper-notes: 120 deg/s but for walking)."""
 
@@ -225,18 +225,22 @@ class Controller:
     def _follow(self, reference: ReferencePose) -> RobotPose:
         """The person's reference, moved to where ours is, and eased into."""
         if self._offset is None:
-            self._offset = _align(reference, self._last, self.state)
-        target = _moved(reference, *self._offset)
+            self._offset = Planar(*_align(reference, self._last, self.state))
+        target = self._offset.move(reference)
         self._ease_t += a1.CONTROL_DT
         if self._ease_t >= self._ease:
             eased = target
         else:
             eased = _between(self._held, target, minimum_jerk(self._ease_t / self._ease))
         step = SPEED_LIMIT[self.state] * a1.CONTROL_DT
-        joint_pos = self._last.joint_pos + np.clip(
-            eased.joint_pos - self._last.joint_pos, -step, step
+        last = self._last.joint_pos
+        joint_pos = np.minimum(np.maximum(eased.joint_pos, last - step), last + step)
+        return RobotPose(
+            base_pos=eased.base_pos,
+            base_quat=eased.base_quat,
+            joint_pos=joint_pos,
+            foot_contact=eased.foot_contact,
         )
-        return replace(eased, joint_pos=joint_pos)
 
     def _report(self, wanted: StateName) -> Control:
         if self._path is not None and self._crossing:
@@ -308,8 +312,23 @@ def _align(reference: RobotPose, last: RobotPose, state: StateName) -> tuple[Arr
     return fit_plane(feet_w(reference)[legs, :2], feet_w(last)[legs, :2])
 
 
-def _moved(pose: RobotPose, position: Array, yaw: float) -> RobotPose:
-    return transition.placed(_plain(pose), position, yaw)
+class Planar:
+    """A move in the plane, kept in the form that one pose a period needs."""
+
+    def __init__(self, position: Array, yaw: float) -> None:
+        self._position = np.array([position[0], position[1], 0.0])
+        c, s = np.cos(yaw), np.sin(yaw)
+        self._turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        self._quat = spatial.quat_from_rpy([0.0, 0.0, yaw])
+
+    def move(self, pose: RobotPose) -> RobotPose:
+        """The pose turned about the world's z axis, then moved."""
+        return RobotPose(
+            base_pos=self._turn @ pose.base_pos + self._position,
+            base_quat=spatial.quat_mul(self._quat, pose.base_quat),
+            joint_pos=pose.joint_pos,
+            foot_contact=pose.foot_contact,
+        )
 
 
 def _between(held: RobotPose, target: RobotPose, w: float) -> RobotPose:

@@ -58,30 +58,45 @@ class Segment:
 
     def at(self, s: float) -> RobotPose:
         """The pose at a share s in [0, 1] of the segment's time."""
-        u = minimum_jerk(s)
-        base_pos = (1.0 - u) * self.start.base_pos + u * self.end.base_pos
-        base_quat = spatial.quat_slerp(self.start.base_quat, self.end.base_quat, u)
-        joint_pos = (1.0 - u) * self.start.joint_pos + u * self.end.joint_pos
-        contact = np.where([m == "plant" for m in self.legs], 1.0, 0.0)
-        if any(mode != "swing" for mode in self.legs):
-            start, end = feet_w(self.start), feet_w(self.end)
-            foot = (1.0 - u) * start + u * end
-            for leg, mode in enumerate(self.legs):
-                if mode == "step":
-                    foot[leg, 2] += CLEARANCE * 4.0 * u * (1.0 - u)
-            foot_b = spatial.quat_rotate_inverse(base_quat, foot - base_pos)
-            solved, _ = kinematics.leg_ik(foot_b)
-            by_foot = np.repeat([mode != "swing" for mode in self.legs], 3)
-            joint_pos = np.where(by_foot, solved, joint_pos)
-        if s >= 1.0:
-            contact = self.end.foot_contact
+        base_pos, base_quat, joint_pos = self.motion(np.array([minimum_jerk(s)]))
         return RobotPose(
-            base_pos=base_pos, base_quat=base_quat, joint_pos=joint_pos, foot_contact=contact
+            base_pos=base_pos[0],
+            base_quat=base_quat[0],
+            joint_pos=joint_pos[0],
+            foot_contact=self.end.foot_contact if s >= 1.0 else self.contact,
+        )
+
+    @property
+    def contact(self) -> Array:
+        """(4,) which feet carry on the way."""
+        return np.array([mode == "plant" for mode in self.legs], dtype=np.float64)
+
+    def motion(self, u: Array) -> tuple[Array, Array, Array]:
+        """Base (N, 3), (N, 4) and joints (N, 12) at shares u (N,) of the way."""
+        base_pos, base_quat, joint_pos = self._blend(u)
+        by_foot = np.repeat([mode != "swing" for mode in self.legs], 3)
+        if by_foot.any():
+            c = u[:, None, None]
+            foot = (1.0 - c) * feet_w(self.start) + c * feet_w(self.end)
+            step = [mode == "step" for mode in self.legs]
+            foot[..., 2] += CLEARANCE * np.outer(4.0 * u * (1.0 - u), step)
+            foot_b = spatial.quat_rotate_inverse(base_quat[:, None], foot - base_pos[:, None])
+            joint_pos = np.where(by_foot, kinematics.leg_ik(foot_b)[0], joint_pos)
+        return base_pos, base_quat, joint_pos
+
+    def _blend(self, u: Array) -> tuple[Array, Array, Array]:
+        c, start, end = u[:, None], self.start, self.end
+        quat = np.broadcast_to(start.base_quat, (len(u), 4))
+        return (
+            (1.0 - c) * start.base_pos + c * end.base_pos,
+            spatial.quat_slerp(quat, np.broadcast_to(end.base_quat, (len(u), 4)), u),
+            (1.0 - c) * start.joint_pos + c * end.joint_pos,
         )
 
     def at_speed(self, least: float) -> "Segment":
         """As long as its fastest joint needs at MAX_JOINT_SPEED, and at least `least` s."""
-        joints = np.array([self.at(s).joint_pos for s in np.linspace(0.0, 1.0, 25)])
+        u = np.array([minimum_jerk(s) for s in np.linspace(0.0, 1.0, 25)])
+        joints = self.motion(u)[2]
         fastest = float(np.max(np.abs(np.diff(joints, axis=0)))) * (len(joints) - 1)
         return replace(self, seconds=max(least, fastest / MAX_JOINT_SPEED))
 
@@ -96,28 +111,24 @@ class Haunches(Segment):
 
     rising: bool
 
-    def at(self, s: float) -> RobotPose:
-        """The pose at a share s in [0, 1] of the segment's time."""
-        u = minimum_jerk(s)
-        quat = spatial.quat_slerp(self.start.base_quat, self.end.base_quat, np.float64(u))
-        joint_pos = (1.0 - u) * self.start.joint_pos + u * self.end.joint_pos
+    @property
+    def contact(self) -> Array:
+        """The rear feet carry."""
+        return np.array([0.0, 0.0, 1.0, 1.0])
+
+    def motion(self, u: Array) -> tuple[Array, Array, Array]:
+        """Base (N, 3), (N, 4) and joints (N, 12) at shares u (N,) of the way."""
+        _, quat, joint_pos = self._blend(u)
         low, high = (self.start, self.end) if self.rising else (self.end, self.start)
         w = u if self.rising else 1.0 - u
-        lean, sat = _thigh(low), _thigh(high)
-        late = w * w * w - w
-        for leg in (2, 3):
-            # pitch + thigh + calf stays -90 degrees: what the thigh lags, the calf takes up
-            joint_pos[3 * leg + 1] += (sat - lean) * late
-            joint_pos[3 * leg + 2] -= (sat - lean) * late
-        feet_b = spatial.quat_rotate(quat, kinematics.foot_pos_b(joint_pos))
-        start, end = feet_w(self.start)[2:], feet_w(self.end)[2:]
-        base_pos = ((1.0 - u) * start + u * end - feet_b[2:]).mean(axis=0)
-        return RobotPose(
-            base_pos=base_pos,
-            base_quat=quat,
-            joint_pos=joint_pos,
-            foot_contact=self.end.foot_contact if s >= 1.0 else np.array([0.0, 0.0, 1.0, 1.0]),
-        )
+        # pitch + thigh + calf stays -90 degrees: what the thigh lags, the calf takes up
+        lag = (_thigh(high) - _thigh(low)) * (w - w**3)
+        joint_pos[:, [7, 10]] -= lag[:, None]
+        joint_pos[:, [8, 11]] += lag[:, None]
+        feet = spatial.quat_rotate(quat[:, None], kinematics.foot_pos_b(joint_pos))
+        start, end = feet_w(self.start)[2:].mean(axis=0), feet_w(self.end)[2:].mean(axis=0)
+        c = u[:, None]
+        return (1.0 - c) * start + c * end - feet[:, 2:].mean(axis=1), quat, joint_pos
 
 
 def _thigh(pose: RobotPose) -> float:
