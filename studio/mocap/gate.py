@@ -80,8 +80,15 @@ class FrameGate:
 
     def check(self, raw: object) -> HumanPose:
         """The pose in `raw` (JSON text, bytes, or the decoded object); FrameRejected otherwise."""
+        return self._counted(self._check, raw)
+
+    def check_pose(self, pose: HumanPose) -> HumanPose:
+        """The same for a pose made within the studio, without the way through JSON."""
+        return self._counted(self._check_pose, pose)
+
+    def _counted(self, check: Callable[[Any], HumanPose], given: object) -> HumanPose:
         try:
-            pose = self._check(raw)
+            pose = check(given)
         except FrameRejected:
             self.rejected += 1
             raise
@@ -104,11 +111,25 @@ class FrameGate:
             )
         positions, confidence = _arrays(frame, skeleton)
         joint_pos_w, sure = skeleton.to_canonical(positions, confidence)
-        pose = HumanPose(t=frame.t, joint_pos_w=joint_pos_w, confidence=sure)
+        pose = self._admit(HumanPose(t=frame.t, joint_pos_w=joint_pos_w, confidence=sure), now)
+        self._skeleton = skeleton
+        return pose
+
+    def _check_pose(self, pose: object) -> HumanPose:
+        now = self._clock()
+        if self._live:
+            self._take_token(now)
+        if not isinstance(pose, HumanPose):
+            raise FrameRejected(f"a HumanPose is needed here, not {type(pose).__name__}")
+        _check_numbers(pose.t, pose.joint_pos_w, pose.confidence)
+        return self._admit(pose, now)
+
+    def _admit(self, pose: HumanPose, now: float) -> HumanPose:
+        """What must hold whatever way a pose came: a body, moving as bodies and clocks do."""
         _check_body(pose)
         self._check_time(pose, now)
         self._check_speed(pose)
-        self._skeleton, self._pose, self._at = skeleton, pose, now
+        self._pose, self._at = pose, now
         return pose
 
     def _take_token(self, now: float) -> None:
@@ -180,28 +201,26 @@ def _parse(raw: object) -> _Frame:
 
 def _arrays(frame: _Frame, skeleton: SourceSkeleton) -> tuple[Array, Array | None]:
     """Positions (n, 3) and confidence (n,) or None, right in number, finite and in range."""
-    if not abs(frame.t) <= MAX_TIME:
-        raise FrameRejected(f"t = {frame.t:g} is no time in seconds")
     n = skeleton.num_joints
-    if len(frame.positions) != n:
-        raise FrameRejected(
-            f"{len(frame.positions)} positions; skeleton {skeleton.name} has {n} joints"
-        )
+    for what, values in (("positions", frame.positions), ("confidences", frame.confidence)):
+        if values is not None and len(values) != n:
+            raise FrameRejected(f"{len(values)} {what}; skeleton {skeleton.name} has {n} joints")
     positions = np.array(frame.positions)
-    if not (np.abs(positions) <= MAX_COORDINATE).all():  # NaN fails too
+    confidence = None if frame.confidence is None else np.array(frame.confidence)
+    _check_numbers(frame.t, positions, confidence)
+    return positions, confidence
+
+
+def _check_numbers(t: float, positions: Array, confidence: Array | None) -> None:
+    """Comparisons are written so that NaN fails them."""
+    if not abs(t) <= MAX_TIME:
+        raise FrameRejected(f"t = {t:g} is no time in seconds")
+    if not (np.abs(positions) <= MAX_COORDINATE).all():
         raise FrameRejected(
             f"a position is not finite or beyond {MAX_COORDINATE:g} m: positions are in metres"
         )
-    if frame.confidence is None:
-        return positions, None
-    if len(frame.confidence) != n:
-        raise FrameRejected(
-            f"{len(frame.confidence)} confidences; skeleton {skeleton.name} has {n} joints"
-        )
-    confidence = np.array(frame.confidence)
-    if not ((confidence >= 0.0) & (confidence < np.inf)).all():
+    if confidence is not None and not ((confidence >= 0.0) & (confidence < np.inf)).all():
         raise FrameRejected("a confidence is negative or not finite: 0 (not seen) upwards")
-    return positions, confidence
 
 
 def _check_body(pose: HumanPose) -> None:

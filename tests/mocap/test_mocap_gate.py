@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
 
 from studio.errors import StudioError
 from studio.human.pose import HumanPose
@@ -35,7 +36,7 @@ def gate(clock: Clock) -> FrameGate:
     return FrameGate(clock=clock)
 
 
-def frame(t: float = 0.0, positions=NEUTRAL, **fields) -> dict:
+def frame(t: float = 0.0, positions: ArrayLike = NEUTRAL, **fields: object) -> dict:
     positions = np.asarray(positions).tolist()
     return {"t": t, "skeleton": "studio", "positions": positions, **fields}
 
@@ -314,6 +315,30 @@ def test_a_new_sender_does_not_refill_the_rate_cap(gate):
     gate.reset()
     with pytest.raises(FrameRejected, match="frames a second"):
         gate.check(frame(1.0))
+
+
+def test_a_pose_made_inside_passes_the_same_checks(gate, clock):
+    def pose(t: float, joints=NEUTRAL, confidence=None) -> HumanPose:
+        confidence = np.ones(19) if confidence is None else confidence
+        return HumanPose(t=t, joint_pos_w=joints, confidence=confidence)
+
+    first = pose(0.0)
+    assert gate.check_pose(first) is first
+    nan = NEUTRAL.copy()
+    nan[4, 1] = math.nan
+    bad = {
+        "not finite": pose(0.1, nan),
+        "negative": pose(0.1, confidence=-np.ones(19)),
+        "no time": pose(math.nan),
+        "forward": pose(0.0),
+        "jumps": pose(0.01, NEUTRAL + 5.0),
+        "metres": pose(0.1, NEUTRAL * 0.01),
+        "HumanPose is needed": {"t": 0.1},
+    }
+    for message, given_pose in bad.items():
+        with pytest.raises(FrameRejected, match=message):
+            gate.check_pose(given_pose)  # type: ignore[arg-type]
+    assert (gate.accepted, gate.rejected) == (1, len(bad))
 
 
 def test_a_check_costs_little_of_a_control_period():
