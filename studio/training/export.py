@@ -1,0 +1,119 @@
+"""A trained policy → one ONNX file with all a real A1 needs: normaliser, network, filter, gains.
+
+Inputs of a control period: observation (1, dim), reference_joint_pos (1, 12) rad, filter_state
+(2, 12). Outputs: action (1, 12) for the next observations, target (1, 12) rad for the PD, and the
+next filter_state. The metadata entry "manifest" says what the observation holds, the rates and
+gains. `examples/onnx_runner.py` runs it without this package.
+"""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import onnx
+from onnx import TensorProto, helper, numpy_helper
+from scipy.signal import butter
+
+from studio.imitation.action import ACTION_CLIP
+from studio.imitation.policy import MODELS, Policy
+from studio.robot import a1
+
+
+def export_onnx(name: str | Path, out: Path) -> Path:
+    """Write the policy NAME (or a path to its weights) to `out`; returns `out`.
+
+    StudioError if there is no such policy.
+    """
+    policy = Policy.load(name)
+    config = policy.action_config
+    b, a = butter(2, config.cutoff_hz, fs=a1.CONTROL_HZ)
+    graph = _Graph()
+    graph.constant("mean", policy.network.mean[None])
+    graph.constant("scale", policy.network.scale[None])
+    x = graph.op("Mul", graph.op("Sub", "observation", "mean"), "scale")
+    layers = len(policy.network.weights)
+    for i, (weight, bias) in enumerate(zip(policy.network.weights, policy.network.biases)):
+        graph.constant(f"weight_{i}", weight)
+        graph.constant(f"bias_{i}", bias)
+        x = graph.op("Gemm", x, f"weight_{i}", f"bias_{i}")
+        if i < layers - 1:
+            x = graph.op("Relu", x)
+    bounds = {"lo": -ACTION_CLIP, "hi": ACTION_CLIP, "action_scale": config.scale}
+    for key, value in bounds.items():
+        graph.constant(key, np.float32(value))
+    graph.op("Clip", x, "lo", "hi", out="action")
+    offset = "reference_joint_pos"
+    if config.mode == "absolute":
+        offset = "neutral"
+        graph.constant(offset, policy.neutral[None])
+    graph.constant("lower", a1.JOINT_LOWER[None])
+    graph.constant("upper", a1.JOINT_UPPER[None])
+    raw = graph.op("Add", offset, graph.op("Mul", "action", "action_scale"))
+    raw = graph.op("Min", graph.op("Max", raw, "lower"), "upper")
+    # y = b0 x + s1;  s1' = b1 x − a1 y + s2;  s2' = b2 x − a2 y (direct form II, transposed)
+    for key, value in (("b0", b[0]), ("b1", b[1]), ("b2", b[2]), ("a1", a[1]), ("a2", a[2])):
+        graph.constant(key, np.float32(value))
+    graph.constant("row0", np.array([0], dtype=np.int64))
+    graph.constant("row1", np.array([1], dtype=np.int64))
+    s1, s2 = (graph.op("Gather", "filter_state", row) for row in ("row0", "row1"))
+    y = graph.op("Add", graph.op("Mul", raw, "b0"), s1)
+    n1 = graph.op("Sub", graph.op("Mul", raw, "b1"), graph.op("Mul", y, "a1"))
+    n2 = graph.op("Sub", graph.op("Mul", raw, "b2"), graph.op("Mul", y, "a2"))
+    graph.op("Concat", graph.op("Add", n1, s2), n2, out="next_filter_state", axis=0)
+    graph.op("Min", graph.op("Max", y, "lower"), "upper", out="target")
+    facts = {
+        **policy.manifest,
+        "filter": {"order": 2, "cutoff_hz": config.cutoff_hz, "b": b.tolist(), "a": a.tolist()},
+        "filter_rest": "state rows: (1 - b0) q and (b2 - a2) q hold still at q",
+        "joint_lower": a1.JOINT_LOWER.tolist(),
+        "joint_upper": a1.JOINT_UPPER.tolist(),
+        "torque_limit": a1.TORQUE_LIMIT.tolist(),
+    }
+    facts.pop("curve", None)
+    model = graph.model(policy.observation.dim)
+    helper.set_model_props(model, {"manifest": json.dumps(facts)})
+    onnx.checker.check_model(model)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    onnx.save(model, out)
+    return out
+
+
+def export_all(folder: Path = MODELS) -> list[Path]:
+    """NAME.onnx beside every NAME.safetensors of `folder`."""
+    return [export_onnx(p, p.with_suffix(".onnx")) for p in sorted(folder.glob("*.safetensors"))]
+
+
+class _Graph:
+    """Nodes and constants of an ONNX graph, named as they come."""
+
+    def __init__(self) -> None:
+        self.nodes: list[Any] = []
+        self.constants: list[Any] = []
+
+    def constant(self, name: str, value: Any) -> None:
+        value = np.asarray(value)
+        kind = np.int64 if value.dtype == np.int64 else np.float32
+        self.constants.append(numpy_helper.from_array(value.astype(kind), name))
+
+    def op(self, kind: str, *inputs: str, out: str = "", **attributes: Any) -> str:
+        out = out or f"v{len(self.nodes)}"
+        self.nodes.append(helper.make_node(kind, list(inputs), [out], **attributes))
+        return out
+
+    def model(self, dim: int) -> onnx.ModelProto:
+        def value(name: str, *shape: int) -> Any:
+            return helper.make_tensor_value_info(name, TensorProto.FLOAT, list(shape))
+
+        graph = helper.make_graph(
+            self.nodes,
+            "a1_policy",
+            [
+                value("observation", 1, dim),
+                value("reference_joint_pos", 1, 12),
+                value("filter_state", 2, 12),
+            ],
+            [value("action", 1, 12), value("target", 1, 12), value("next_filter_state", 2, 12)],
+            self.constants,
+        )
+        return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=9)

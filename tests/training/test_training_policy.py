@@ -1,0 +1,216 @@
+"""PPO over the environment: bootstrapping, resume, export, and that it learns."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from tensordict import TensorDict
+
+from studio.errors import StudioError
+from studio.imitation.bank import MotionBank, build_bank
+from studio.imitation.curriculum import Curriculum, Stage
+from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.policy import Policy, save_policy
+from studio.training import checkpoint
+from studio.training.policy import (
+    PAPER,
+    PolicyTrainer,
+    PolicyTraining,
+    PpoConfig,
+    TorchEnv,
+    collect,
+    make_algorithm,
+)
+
+SMALL = PpoConfig(horizon=6, epochs=1, minibatch=48, hidden=(32, 32))
+
+
+@pytest.fixture(scope="module")
+def bank() -> MotionBank:
+    return build_bank("sit", per_task=1, seconds=2.0, difficulties=(0.4, 1.0))
+
+
+def environment(bank: MotionBank, n: int = 16, randomisation: float = 0.5) -> ImitationEnv:
+    stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=randomisation)
+    curriculum = Curriculum(ladder=[stage])
+    return ImitationEnv(EnvConfig(num_envs=n, threads=1), bank, seed=0, curriculum=curriculum)
+
+
+def trainer(bank: MotionBank, **settings: object) -> PolicyTrainer:
+    config = PolicyTraining(state="sit", num_envs=16, threads=1, ppo=SMALL, **settings)  # type: ignore[arg-type]
+    return PolicyTrainer(config, environment(bank))
+
+
+def test_presets_hold_the_papers_figures() -> None:
+    assert (PAPER.clip, PAPER.learning_rate, PAPER.gamma, PAPER.lam) == (0.2, 5e-5, 0.95, 0.95)
+    assert (PAPER.minibatch, PAPER.max_grad_norm, PAPER.hidden) == (128, 0.5, (256, 256))
+
+
+def test_training_starts_close_to_pd_playback(bank: MotionBank) -> None:
+    fresh = trainer(bank)
+    with torch.inference_mode():
+        action = fresh.alg.actor(fresh.obs)
+    assert float(action.abs().max()) < 0.2  # 0.05 rad
+
+
+def test_a_time_limit_continues_the_return_with_the_value_of_the_last_observation(
+    bank: MotionBank,
+) -> None:
+    env = TorchEnv(environment(bank))
+    env.env.reset()
+    alg = make_algorithm(env, SMALL)
+    env.env.frame[:] = 10
+    env.env.frame[7] = bank.frames - 1  # ends within the first step
+    seen: dict[str, np.ndarray] = {}
+    step = env.env.step
+
+    def spy(action: np.ndarray):  # type: ignore[no-untyped-def]
+        out = step(action)
+        if "final_ids" in out[4] and "reward" not in seen:
+            seen["reward"] = out[1].copy()
+            seen["actor"] = out[4]["final_observation"].copy()
+            seen["privileged"] = out[4]["final_privileged"].copy()
+        return out
+
+    env.env.step = spy  # type: ignore[method-assign]
+    collect(alg, env, env.present(), SMALL.horizon)
+    with torch.inference_mode():
+        value = float(alg.critic(env.tensors(seen["actor"], seen["privileged"]))[0, 0])
+    stored = float(alg.storage.rewards[0, 7, 0])
+    assert stored == pytest.approx(seen["reward"][7] + SMALL.gamma * value, rel=1e-5)
+    # A done step: the return is that reward alone, nothing of the next episode leaks in.
+    assert float(alg.storage.dones[0, 7, 0]) == 1.0
+    assert float(alg.storage.returns[0, 7, 0]) == pytest.approx(stored, rel=1e-4)
+
+
+def test_generalised_advantages_match_the_recursion(bank: MotionBank) -> None:
+    env = TorchEnv(environment(bank))
+    env.env.reset()
+    alg = make_algorithm(env, SMALL)
+    last, _ = collect(alg, env, env.present(), SMALL.horizon)
+    st = alg.storage
+    reward, value, done = (
+        x[..., 0].numpy().astype(float) for x in (st.rewards, st.values, st.dones)
+    )
+    with torch.inference_mode():
+        following = alg.critic(last)[:, 0].numpy().astype(float)
+    advantage = np.zeros(16)
+    for t in reversed(range(SMALL.horizon)):
+        delta = reward[t] + SMALL.gamma * (1.0 - done[t]) * following - value[t]
+        advantage = delta + SMALL.gamma * SMALL.lam * (1.0 - done[t]) * advantage
+        following = value[t]
+        assert st.returns[t, :, 0].numpy() == pytest.approx(advantage + value[t], abs=1e-4)
+
+
+def test_mirrored_copies_follow_the_originals(bank: MotionBank) -> None:
+    env = TorchEnv(environment(bank))
+    env.env.reset()
+    obs = env.present()
+    actions = torch.randn(16, 12)
+    both, acts = env.mirrored(env, obs, actions)
+    assert isinstance(both, TensorDict)
+    assert acts is not None
+    assert torch.equal(both["actor"][:16], obs["actor"])
+    again, _ = env.mirrored(
+        env, TensorDict({k: both[k][16:] for k in ("actor", "privileged")}, [16]), None
+    )
+    assert again is not None
+    for name in ("actor", "privileged"):
+        assert torch.allclose(again[name][16:], obs[name])
+    assert torch.equal(acts[16:, 0], -actions[:, 3])  # FR hip is FL hip turned over
+    assert torch.equal(acts[16:, 1], actions[:, 4])
+
+
+def test_resume_restores_networks_optimiser_normaliser_curriculum_and_random_state(
+    bank: MotionBank, tmp_path: Path
+) -> None:
+    first = trainer(bank)
+    for _ in range(2):
+        first.step()
+    first.env.env.curriculum.episodes = 17
+    file = tmp_path / "checkpoint.safetensors"
+    first.save(file)
+    second = trainer(bank, seed=5)
+    second.restore(file)
+    for a, b in ((first.alg.actor, second.alg.actor), (first.alg.critic, second.alg.critic)):
+        for name, value in a.state_dict().items():
+            assert torch.equal(value, b.state_dict()[name]), name
+    assert int(second.alg.actor.state_dict()["obs_normalizer.count"]) == 2 * 6 * 16
+    ours, theirs = (t.alg.optimizer.state_dict()["state"] for t in (first, second))
+    assert ours.keys() == theirs.keys()
+    for key in ours:
+        assert torch.equal(ours[key]["exp_avg_sq"], theirs[key]["exp_avg_sq"])
+        assert int(ours[key]["step"]) == int(theirs[key]["step"])
+    assert second.samples == first.samples == 192
+    assert second.alg.learning_rate == first.alg.learning_rate
+    assert second.env.env.curriculum.episodes == 17
+    assert second.env.env.rng.random() == first.env.env.rng.random()
+    assert torch.equal(torch.rand(3), _after(first, file))
+    second.step()
+    assert second.samples == 288
+
+
+def _after(trainer: PolicyTrainer, file: Path) -> torch.Tensor:
+    torch.set_rng_state(checkpoint.load(file)[0]["torch_random_state"])
+    return torch.rand(3)
+
+
+def test_a_checkpoint_of_another_state_or_a_damaged_one_is_refused(
+    bank: MotionBank, tmp_path: Path
+) -> None:
+    first = trainer(bank)
+    file = tmp_path / "checkpoint.safetensors"
+    first.save(file)
+    first.config = replace(first.config, state="walk")
+    with pytest.raises(StudioError, match="of state sit"):
+        first.restore(file)
+    file.write_bytes(file.read_bytes()[:50])
+    with pytest.raises(StudioError, match="cannot be read"):
+        first.restore(file)
+    with pytest.raises(StudioError, match="without --resume"):
+        first.restore(tmp_path / "none.safetensors")
+
+
+def test_exported_weights_act_like_the_trained_network(bank: MotionBank, tmp_path: Path) -> None:
+    trained = trainer(bank)
+    trained.step()
+    path = tmp_path / "sit.safetensors"
+    save_policy(path, trained.tensors(), trained.manifest(scores={}))
+    policy = Policy.load(path)
+    observation = trained.env.env.history.observation()
+    with torch.inference_mode():
+        trained.alg.eval_mode()
+        expected = trained.alg.actor(trained.obs).numpy()
+    assert policy.network(observation) == pytest.approx(expected, abs=1e-5)
+    assert policy.manifest["samples"] == 96
+    assert policy.manifest["state"] == "sit"
+
+
+def test_bad_settings_say_what_would_work() -> None:
+    with pytest.raises(StudioError, match="sit, stand, walk"):
+        PolicyTraining(state="fly")  # type: ignore[arg-type]
+    with pytest.raises(StudioError, match="num-envs"):
+        PolicyTraining(state="sit", num_envs=1)
+
+
+@pytest.mark.slow
+def test_a_short_training_beats_its_start() -> None:
+    """Sitting under full randomisation: some 40 s of training raise the tracked share clearly."""
+    torch.set_num_threads(2)
+    torch.manual_seed(0)
+    motions = build_bank("sit", per_task=6, seconds=4.0, difficulties=(1.0,))
+    stage = Stage(tasks=motions.tasks, difficulty=1.0, randomisation=1.0)
+    env = ImitationEnv(
+        EnvConfig(num_envs=256, threads=2), motions, curriculum=Curriculum(ladder=[stage])
+    )
+    run = PolicyTrainer(PolicyTraining(state="sit", num_envs=256, threads=2), env)
+    figures = [run.step() for _ in range(26)]
+
+    def mean(part: list[dict[str, float]], name: str) -> float:
+        return float(np.mean([f[name] for f in part]))
+
+    start, end = figures[2:8], figures[-6:]  # past the first steps, which begin on the reference
+    assert mean(end, "reward") > mean(start, "reward") + 0.05
+    assert mean(end, "metric/tracked") > mean(start, "metric/tracked")
