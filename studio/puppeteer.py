@@ -22,7 +22,7 @@ from studio.human.pose import HumanPose
 from studio.imitation.controller import Controller, Directive
 from studio.imitation.controllers import open_controller
 from studio.metrics import FALLEN_TILT_DEG
-from studio.mocap.gate import FrameGate, FrameRejected, object_of
+from studio.mocap.gate import FrameGate, FrameRejected
 from studio.recording.tick import Tick
 from studio.reference.intent import STATES, StateName
 from studio.retarget.retargeter import Retargeted, Retargeter
@@ -254,7 +254,7 @@ class Puppeteer:
             return False
         self.counters["frames"] += 1
         try:
-            self.gate.check(object_of(human))
+            self.gate.check_pose(human)
         except (FrameRejected, AttributeError, TypeError, ValueError) as error:
             self.counters["rejected"] += 1
             log.debug("human pose refused: %s", error)
@@ -316,6 +316,7 @@ def why_still(mapped: Retargeted, lock: str | None, age: float) -> str:
         return f"stale: no human pose for {age:.1f} s"
     if mapped.expert == "unknown":
         return "unknown: this motion is unlike any the experts were trained on; easing to neutral"
-    if lock is not None and mapped.expert != lock:
-        return f"locked: the state is held at {lock}, the person's motion says {mapped.expert}"
+    seen = max(mapped.votes, key=lambda name: mapped.votes[name])
+    if lock is not None and seen != lock and mapped.votes[seen] > 0.5:
+        return f"locked: the state is held at {lock}, the person's motion says {seen}"
     return ""
