@@ -17,6 +17,7 @@ from studio.reference.tracks import frames_in, make_track
 
 Array = NDArray[np.float64]
 
+_ACCELERATION = 1.0  # m/s^2
 _TEMPO_RAMP = 0.06  # strides: how soon the legs are at full tempo
 
 
@@ -52,12 +53,12 @@ def march_track(
         cadence += bout.cadence * smoothstep(np.minimum(up, down))
         # The integral of the cadence: exactly half_strides / 2 at the end.
         phase += bout.cadence * start * (_ramp_integral(up) - _ramp_integral(1.0 - down))
-        ramp = min(bout.ramp, 0.5 * at_speed)
+        ramp, bout_lift = _ramp(bout, at_speed)
         share = smoothstep(np.minimum(t - begin + 0.2 * ramp, end - t + 0.2 * ramp) / ramp)
-        lift = np.maximum(lift, bout.lift * share)
+        lift = np.maximum(lift, bout_lift * share)
         turn += bout.turn * share
         begin = end + bout.pause
-    turn = np.clip(turn, *(s * gait.MAX_YAW_PER_STRIDE * np.maximum(cadence, 0.0) for s in (-1, 1)))
+    turn = np.clip(turn, -gait.max_turn(cadence), gait.max_turn(cadence))
     return make_track(
         "walk",
         task,
@@ -66,9 +67,21 @@ def march_track(
         cadence=cadence,
         lift=lift,
         turn=turn,
-        speed=gait.march_speed(cadence, lift),
+        speed=gait.march_speed(cadence, lift, turn),
         crouch=np.full(length, crouch),
     )
+
+
+def _ramp(bout: Bout, at_speed: float) -> tuple[float, float]:
+    """Time for lift and speed to come and go, and the lift that a bout this short allows.
+
+    At least 0.7 strides, and no more than 1 m/s^2: a robot does not start like a sprinter.
+    """
+    needed = max(
+        0.7 / bout.cadence, float(gait.march_speed(bout.cadence, bout.lift)) / _ACCELERATION
+    )
+    ramp = min(max(bout.ramp, needed), 0.5 * at_speed)
+    return ramp, bout.lift * min(1.0, ramp / needed)
 
 
 def _ramp_integral(x: Array) -> Array:

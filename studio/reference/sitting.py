@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from studio import spatial
 from studio.reference import stances
+from studio.reference.contact import smoothstep
 from studio.robot import a1, kinematics
 
 Array = NDArray[np.float64]
@@ -21,7 +22,9 @@ KNEE_HEIGHT = 0.02
 SIDE_HIP = 0.45
 
 _REAR_HIP = np.array([-0.1805, 0.0, 0.0])  # middle of the rear hips, base frame
-_LEAN = -0.10  # m/rad: the hips move back as the trunk bends forward, and the other way round
+_LEAN = -0.14  # m/rad: the hips move back as the trunk bends forward, and the other way round
+# m: with one knee raised, the triangle of the feet and the other knee is wide only in front.
+_ROLL_FORWARD = 0.05
 _FEET = stances.NEUTRAL_FEET["sit"][2:]
 _HIP_W = (
     stances.NEUTRAL["sit"].base_pos
@@ -40,6 +43,7 @@ def sit_poses(tilt: Array, reach: Array, reach_side: Array) -> tuple[Array, Arra
     up = spatial.quat_rotate(quat, _REAR_HIP)
     hip = np.broadcast_to(_HIP_W, (len(tilt), 3)).copy()
     hip[:, 0] += _LEAN * tilt[:, 1]
+    hip[:, 0] += _ROLL_FORWARD * smoothstep(np.abs(tilt[:, 0]) / np.radians(5.0))
     front = arm_joints(np.clip(reach, 0.0, 1.0), np.clip(reach_side, -1.0, 1.0))
     for _ in range(4):  # the knee rises as the hip does, nearly one to one
         joints = _rear_legs(hip - up, quat, front)

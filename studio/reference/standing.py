@@ -124,5 +124,19 @@ def _legs(base: Array, quat: Array, reach: Array, side: Array) -> tuple[Array, A
     free = smoothstep((u - 0.04) / 0.46)[..., None]
     front = joints.reshape(-1, 4, 3)[:, :2]
     front += free * (paw - front)
+    _above_floor(base, quat, joints, u)
     standing = np.concatenate([free[..., 0] <= 0.0, np.ones((len(base), 2), dtype=bool)], axis=-1)
     return joints, np.max(np.where(standing, error, 0.0), axis=-1)
+
+
+def _above_floor(base: Array, quat: Array, joints: Array, u: Array) -> None:
+    """Raise (in place) front paws that a bent-over trunk would push towards the floor."""
+    feet = kinematics.foot_pos_w(base, quat, joints)
+    least = a1.FOOT_RADIUS + 0.5 * _CLEAR * smoothstep(u / 0.2)
+    low = np.any((u > 0.0) & (feet[:, :2, 2] < least), axis=-1)
+    if not np.any(low):
+        return
+    feet = feet[low]
+    feet[:, :2, 2] = np.maximum(feet[:, :2, 2], np.where(u[low] > 0.0, least[low], -np.inf))
+    feet_b = spatial.quat_rotate_inverse(quat[low, None, :], feet - base[low, None, :])
+    joints[low, :6] = kinematics.leg_ik(feet_b, near=joints[low])[0][:, :6]

@@ -18,6 +18,7 @@ Array = NDArray[np.float64]
 
 TILT_LIMIT = math.radians(10.0)
 """rad: roll and pitch a walking trunk takes from the intent; its yaw is the path's."""
+_CROUCH_SHORTER = 0.15  # share by which steps shorten in a full crouch: bent legs pass closer
 _FEET = [tuple(p) for p in stances.NEUTRAL_FEET["walk"][:, :2].tolist()]
 
 
@@ -31,7 +32,7 @@ class Walker:
         """Stand at (x, y) m with this heading, all feet down at their neutral places."""
         self._x, self._y, self._yaw = x, y, yaw
         self._phase: float | None = None
-        self._share = 0.0
+        self._tempo = 0.0
         self._anchor = [_ahead(x, y, yaw, foot) for foot in _FEET]
         self._foot = [(*p, 0.0) for p in self._anchor]
         self._swinging = [False] * 4
@@ -40,19 +41,21 @@ class Walker:
         """Base position (3,), roll-pitch-yaw (3,) and foot centres (4, 3), world, of one period."""
         cadence = min(max(intent.cadence, 0.0), 3.0)
         advance = self._advance(intent.phase)
-        self._share = self._next_share(intent.phase, float(gait.trot_share(cadence)), advance)
-        duty = float(gait.duty(self._share))
+        self._tempo = self._next_tempo(intent.phase, float(gait.tempo(cadence)), advance)
+        duty = float(gait.duty(self._tempo))
         per_stride, turn = self._stride(intent, cadence)
         self._x, self._y, self._yaw = _arc(
             self._x, self._y, self._yaw, per_stride * advance, turn * advance
         )
+        aside = gait.STAGGER * min(per_stride * duty / gait.MAX_TRAVEL, 1.0)
         clear = float(gait.clearance(intent.lift, cadence))
-        for leg, offset in enumerate(gait.leg_offsets(self._share).tolist()):
+        for leg, offset in enumerate(gait.leg_offsets(self._tempo).tolist()):
             phase = (intent.phase - offset) % 1.0
             # The foot lands where it stands straight under the body half way through its stance.
             left = 1.0 - 0.5 * duty - phase
             there = _arc(self._x, self._y, self._yaw, per_stride * left, turn * left)
-            landing = _ahead(*there, _FEET[leg])
+            x, y = _FEET[leg]
+            landing = _ahead(*there, (x, y * (1.0 + math.copysign(aside, -x))))
             if phase < 1.0 - duty:
                 self._swing(leg, phase / (1.0 - duty), landing, clear)
             elif self._swinging[leg]:
@@ -66,22 +69,23 @@ class Walker:
         gone = 0.0 if last is None else phase - last
         return gone if 0.0 <= gone <= 0.5 else 0.0
 
-    def _next_share(self, phase: float, wanted: float, advance: float) -> float:
-        """Share of trot: at once while all feet stand, else slowly, so that no foot turns back."""
+    def _next_tempo(self, phase: float, wanted: float, advance: float) -> float:
+        """Crawl or trot: at once while all feet stand, else slowly, so that no foot turns back."""
         if self._phase is None or not (
-            _any_swings(phase, self._share) or _any_swings(phase, wanted)
+            _any_swings(phase, self._tempo) or _any_swings(phase, wanted)
         ):
             return wanted
         most = max(advance, 0.03)
-        return self._share + min(max(wanted - self._share, -most), most)
+        return self._tempo + min(max(wanted - self._tempo, -most), most)
 
     def _stride(self, intent: Intent, cadence: float) -> tuple[float, float]:
         """Way (m) and turn (rad) per stride, within what the legs can do."""
         rate = max(cadence, 0.05)
-        longest = float(gait.max_travel(self._share) / gait.duty(self._share))
-        way = min(max(intent.speed, 0.0) / rate, longest)
         most = gait.MAX_YAW_PER_STRIDE
-        return way, min(max(intent.turn / rate, -most), most)
+        turn = min(max(intent.turn / rate, -most), most)
+        crouch = min(max(intent.crouch, 0.0), 1.0)
+        longest = gait.MAX_TRAVEL * (1.0 - _CROUCH_SHORTER * crouch) / float(gait.duty(self._tempo))
+        return min(max(intent.speed, 0.0) / rate, longest - gait.HALF_WIDTH * abs(turn)), turn
 
     def _swing(self, leg: int, done: float, landing: tuple[float, float], clear: float) -> None:
         """Move the foot a share `done` in [0, 1) of the way from where it stood to `landing`."""
@@ -93,7 +97,7 @@ class Walker:
         self._swinging[leg] = True
         s = float(gait.swing_profile(done))
         # Even without lift a foot that must move is lifted, never dragged.
-        z = max(clear, min(gait.MIN_CLEARANCE, 0.6 * way)) * math.sin(math.pi * done) ** 2
+        z = max(clear, min(gait.MIN_CLEARANCE, 0.6 * way)) * float(gait.swing_height(done))
         self._foot[leg] = (x + s * (to_x - x), y + s * (to_y - y), z)
 
     def _put_down(self, leg: int, place: tuple[float, ...]) -> None:
@@ -103,7 +107,7 @@ class Walker:
 
     def _pose(self, intent: Intent, cadence: float) -> tuple[Array, Array, Array]:
         active = float(gait.smoothstep(intent.lift / 0.3))
-        along, side = (active * gait.sway(intent.phase, cadence, self._share)).tolist()
+        along, side = (active * gait.sway(intent.phase, cadence, self._tempo)).tolist()
         x, y = _ahead(self._x, self._y, self._yaw, (along, side))
         crouch = min(max(intent.crouch, 0.0), 1.0)
         base = np.array([x, y, a1.STAND_HEIGHT - gait.CROUCH_DROP * crouch])
@@ -113,9 +117,9 @@ class Walker:
         return base, np.array([roll, pitch, self._yaw]), feet
 
 
-def _any_swings(phase: float, share: float) -> bool:
-    swing = 1.0 - float(gait.duty(share))
-    return any((phase - offset) % 1.0 < swing for offset in gait.leg_offsets(share).tolist())
+def _any_swings(phase: float, tempo: float) -> bool:
+    swing = 1.0 - float(gait.duty(tempo))
+    return any((phase - offset) % 1.0 < swing for offset in gait.leg_offsets(tempo).tolist())
 
 
 def _arc(x: float, y: float, yaw: float, way: float, turn: float) -> tuple[float, float, float]:
