@@ -140,6 +140,7 @@ def _add_links(body: mujoco.MjsBody, link_name: str, config: ModelConfig) -> Non
                 armature=config.armature,
                 # A stop must hold a 33.5 N m motor within 0.02 rad.
                 solref_limit=[2.0 * config.timestep, 1.0],
+                solimp_limit=[0.98, 0.999, 0.001, 0.5, 2.0],
             )
         _add_links(child, joint.child, config)
 
