@@ -32,7 +32,7 @@ RATES: dict[str, slice] = {
     "base_ang_vel": slice(30, 33),
     "base_ang_acc": slice(33, 36),
 }
-"""Layout of the derivative head: joints, base (linear in the state's frame, angular in the body)."""
+"""Layout of the derivative head; the base's linear ones in the state's frame, angular in the body."""
 NUM_RATES = 36
 NUM_OUTPUTS = 12 + 4 + NUM_RATES
 

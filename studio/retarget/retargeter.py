@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import spatial
-from studio.human.calibration import Calibration
+from studio.human.calibration import Calibration, Calibrator
 from studio.human.features import FeatureExtractor, Features
 from studio.human.pose import HumanPose
 from studio.reference.consistency import ContactLock, limit_speed, limit_turn
@@ -104,7 +104,7 @@ class Retargeter:
 
     def set_calibration(self, calibration: Calibration) -> None:
         """Use a refined calibration from the next frame on, without a jump in the motion."""
-        self.extractor.calibration = calibration
+        self.extractor.calibrator = Calibrator(calibration, dt=a1.CONTROL_DT)
 
     def step(self, pose: HumanPose | None, dt: float = a1.CONTROL_DT) -> Retargeted:
         """Retarget one control period; None reuses the last pose, then eases to neutral."""

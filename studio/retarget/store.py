@@ -42,7 +42,7 @@ def style_dir(style: str, models: Path | None = None) -> Path:
 
 
 def load_experts(style: str = "march", models: Path | None = None) -> Experts:
-    """Read one style's three experts and selector; StudioError says how to train what is missing."""
+    """One style's three experts and selector; StudioError says how to train what is missing."""
     folder = style_dir(style, models)
     mappers = {name: Mapper.from_tensors(_tensors(folder / name, style)) for name in EXPERTS}
     prototypes = Prototypes.from_tensors(_tensors(folder / "selector", style))

@@ -1,0 +1,194 @@
+"""The people table: real motion clips driven through the whole flow, scored against their labels.
+
+A score on one's own generator proves little; this table decides. A folder of clips carries
+`labels.json`: per file, intervals in seconds with the expert a careful person would expect.
+"""
+
+import json
+import logging
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.errors import StudioError
+from studio.evaluation.drive_report import DriveReport
+from studio.human.calibration import calibrate
+from studio.mocap import SourceEnded, open_source
+from studio.puppeteer import Puppeteer, PuppeteerConfig
+from studio.recording.tick import Tick
+from studio.reference.stances import NEUTRAL, tilt_of
+from studio.retarget.states import EXPERTS
+from studio.robot import kinematics
+from studio.robot.a1 import CONTROL_DT, FOOT_RADIUS
+
+log = logging.getLogger(__name__)
+Array = NDArray[np.float64]
+
+GOAL_OVERALL, GOAL_EACH = 0.90, 0.75
+"""Share of labelled frames with the right expert: over all clips, and on each."""
+GOAL_PAW = 0.12
+"""m above the floor that a paw comes to in a full arm raise."""
+GOAL_DROP = 0.04
+"""m that the base goes down in a squat that is not taken for a sit."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeopleConfig:
+    """clips: a folder with labels.json. style, controller, seed: as in `drive`."""
+
+    clips: Path
+    style: str = "march"
+    controller: str | None = None
+    seed: int = 0
+
+
+def run_people(
+    *,
+    clips: Path | None = None,
+    seed: int = 0,
+    style: str = "march",
+    controller: str | None = None,
+    **_: Any,
+) -> dict[str, Any]:
+    """A row per clip and one for all together (case "all"). StudioError without labelled clips."""
+    if clips is None:
+        raise StudioError("evaluate people needs --clips DIR: a folder of clips with a labels.json")
+    config = PeopleConfig(clips=Path(clips), style=style, controller=controller, seed=seed)
+    labels = read_labels(config.clips)
+    rows = [clip_row(config, name, intervals) for name, intervals in labels.items()]
+    return {"rows": [*rows, overall(rows)]}
+
+
+def read_labels(folder: Path) -> dict[str, list[dict[str, Any]]]:
+    """Clip file name -> intervals {from, to, expert}; StudioError if there are none to read."""
+    try:
+        labels = json.loads((folder / "labels.json").read_text())
+    except (OSError, ValueError) as error:
+        raise StudioError(f"no labels.json to read in {folder}: {error}") from error
+    present = {name: found for name, found in labels.items() if (folder / name).is_file()}
+    if not present:
+        raise StudioError(f"none of the clips that {folder}/labels.json names is in {folder}")
+    return present
+
+
+def frame_labels(t: Array, intervals: list[dict[str, Any]]) -> list[str]:
+    """The expected expert of each time (T,) s, "" where there is no label."""
+    out = [""] * len(t)
+    for interval in intervals:
+        for i in np.flatnonzero((t >= interval["from"]) & (t <= interval["to"])):
+            out[i] = interval["expert"]
+    return out
+
+
+def drive_clip(config: PeopleConfig, name: str) -> list[Tick]:
+    """Every tick of a clip, to its end even if the robot falls on the way."""
+    kind = "bvh" if name.endswith(".bvh") else "frames"
+    source = open_source(f"{kind}:{config.clips / name}", seed=config.seed, style=config.style)
+    puppeteer = Puppeteer(
+        PuppeteerConfig(style=config.style, controller=config.controller, seed=config.seed),
+        calibrate(source.calibration_poses()),
+    )
+    ticks: list[Tick] = []
+    while True:
+        try:
+            ticks.append(puppeteer.step(source.read(len(ticks) * CONTROL_DT)))
+        except SourceEnded:
+            source.close()
+            return ticks
+
+
+def clip_row(config: PeopleConfig, name: str, intervals: list[dict[str, Any]]) -> dict[str, Any]:
+    """One clip's figures: the selector's against the labels, the robot's from physics."""
+    ticks = drive_clip(config, name)
+    t = np.arange(len(ticks)) * CONTROL_DT
+    expected = frame_labels(t, intervals)
+    chosen = [tick.expert for tick in ticks]
+    labelled = [i for i, e in enumerate(expected) if e]
+    right = [i for i in labelled if chosen[i] == expected[i]]
+    fell_at = next((i for i, tick in enumerate(ticks) if tick.fallen), None)
+    alive = ticks if fell_at is None else ticks[: fell_at + 1]
+    report = DriveReport()
+    for tick in alive:
+        report.add(tick)
+    summary = report.summary(len(ticks) * CONTROL_DT)
+    heights = np.array([tick.robot.base_pos[2] for tick in alive])
+    row: dict[str, Any] = {
+        "case": name,
+        "controller": summary["controller"],
+        "seed": config.seed,
+        "frames": len(ticks),
+        "labelled": len(labelled),
+        "right": len(right),
+        "right_share": len(right) / len(labelled) if labelled else None,
+        "unknown_share": chosen.count("unknown") / max(len(chosen), 1),
+        "base_drop_m": float(NEUTRAL["stand"].base_pos[2] - heights.min()),
+        "reference": _reference(ticks),
+    }
+    for state in EXPERTS:
+        of_state = [i for i in labelled if expected[i] == state]
+        hits = sum(chosen[i] == state for i in of_state)
+        row[f"right_share_{state}"] = hits / len(of_state) if of_state else None
+    for key in (
+        "expert_share",
+        "tilt_deg",
+        "paw_height_m",
+        "distance_m",
+        "survived",
+        "survival_ratio",
+        "clipped_share",
+        "foot_skate_m_s",
+        "reference_foot_skate_m_s",
+        "inference_ms",
+    ):
+        row[key] = summary[key]
+    log.info("%s: %s right, survived %s", name, row["right_share"], row["survived"])
+    return row
+
+
+def overall(rows: list[dict[str, Any]]) -> dict[str, Any]:
+    """All clips as one, and whether the goals on the selector are met."""
+    labelled, right = sum(r["labelled"] for r in rows), sum(r["right"] for r in rows)
+    shares = [r["right_share"] for r in rows if r["right_share"] is not None]
+    frames = sum(r["frames"] for r in rows)
+    share = right / labelled if labelled else None
+    return {
+        "case": "all",
+        "controller": rows[0]["controller"],
+        "seed": rows[0]["seed"],
+        "frames": frames,
+        "labelled": labelled,
+        "right": right,
+        "right_share": share,
+        "worst_right_share": min(shares, default=None),
+        "unknown_share": sum(r["unknown_share"] * r["frames"] for r in rows) / frames,
+        "survived": all(r["survived"] for r in rows),
+        "goals_met": bool(share is not None and share >= GOAL_OVERALL and min(shares) >= GOAL_EACH),
+    }
+
+
+def _reference(ticks: list[Tick]) -> dict[str, Any]:
+    """What the kinematic robot does, whatever physics makes of it: tilt, paws, height, way."""
+    ref = [tick.reference for tick in ticks]
+    pos, quat, joints = (
+        np.array([getattr(r, f) for r in ref]) for f in ("base_pos", "base_quat", "joint_pos")
+    )
+    states = [tick.state if tick.state in NEUTRAL else "stand" for tick in ticks]
+    tilt = np.degrees([tilt_of(s, q) for s, q in zip(states, quat, strict=True)])  # type: ignore[arg-type]
+    paws = kinematics.foot_pos_w(pos, quat, joints)[:, :2, 2] - FOOT_RADIUS
+    settled = np.array([tick.state != "transition" for tick in ticks])
+    tilt = tilt[settled] if settled.any() else tilt
+    return {
+        "tilt_deg": {
+            axis: [float(tilt[:, i].min()), float(tilt[:, i].max())]
+            for i, axis in enumerate(("roll", "pitch", "yaw"))
+        },
+        "paw_height_m": {
+            leg: [float(paws[:, i].min()), float(paws[:, i].max())]
+            for i, leg in enumerate(("FR", "FL"))
+        },
+        "base_height_m": [float(pos[:, 2].min()), float(pos[:, 2].max())],
+        "distance_m": float(np.linalg.norm(np.diff(pos[:, :2], axis=0), axis=1).sum()),
+    }

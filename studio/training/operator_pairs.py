@@ -1,0 +1,250 @@
+"""Pairs of a synthetic person's triplets and the robot's: what a mapper learns from.
+
+An intent track is acted out by a random person and realised on the robot; the two are aligned by
+the person's known delay, and the person is seen through the same causal features as live.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import spatial
+from studio.human.calibration import Calibration, calibrate
+from studio.human.features import FEATURE_DIM, clip_features
+from studio.human.pose import HumanClip
+from studio.human.skeleton import MIRROR, NUM_BONES
+from studio.mocap.performer import Person, play
+from studio.mocap.performer import signals as sig
+from studio.reference.contact import smoothstep
+from studio.reference.intent import IntentTrack, StateName
+from studio.reference.library import TASKS
+from studio.reference.motion import ReferenceMotion
+from studio.reference.realize import realize
+from studio.retarget.mapper import NUM_RATES, RATES
+from studio.retarget.states import EXPERTS
+
+Array = NDArray[np.float64]
+Array32 = NDArray[np.float32]
+
+DELTA = 3
+"""Frames between the samples of a difference: 0.1 s, as for the person."""
+TRIPLET_DIM = 3 * FEATURE_DIM
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairSet:
+    """N frames of one state: inputs and labels, all in the state's frame (see `retarget.mapper`).
+
+    triplet (N, 3F), joint_pos (N, 12), base_quat (N, 4), rates (N, 36), contact (N, 4);
+    clip (N,): which performance a frame came from; foot_pos (N, 4, 3) and base_pos (N, 3), world.
+    """
+
+    triplet: Array32
+    joint_pos: Array32
+    base_quat: Array32
+    rates: Array32
+    contact: Array32
+    base_pos: Array32
+    clip: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.triplet)
+
+    def take(self, rows: NDArray) -> "PairSet":
+        """Some rows, by index or mask."""
+        return PairSet(**{name: getattr(self, name)[rows] for name in self.__dataclass_fields__})
+
+    @staticmethod
+    def join(parts: "list[PairSet]") -> "PairSet":
+        """One set of many, clips renumbered."""
+        fields: dict[str, NDArray] = {
+            name: np.concatenate([getattr(p, name) for p in parts])
+            for name in PairSet.__dataclass_fields__
+        }
+        fields["clip"] = np.concatenate([np.full(len(p), i) for i, p in enumerate(parts)])
+        return PairSet(**fields)
+
+
+def performances(
+    state: StateName,
+    rng: np.random.Generator,
+    seconds: float,
+    *,
+    family: str = "default",
+    style: str = "march",
+    clip_seconds: float = 10.0,
+) -> Iterator[PairSet]:
+    """Performances of a state's tasks by ever new people, until there are `seconds` of them.
+
+    Every second one is also given mirrored. family: see `Person.sample`.
+    """
+    tasks = [name for name, task in TASKS.items() if task.state == state]
+    emphasis = EXPERTS[state].emphasis
+    weight = np.array([emphasis.get(name, 1.0) for name in tasks])
+    done = 0.0
+    while done < seconds:
+        name = str(rng.choice(tasks, p=weight / weight.sum()))
+        track = TASKS[name].sample(rng, clip_seconds, float(rng.uniform(0.3, 1.0)))
+        person = Person.sample(rng, family, style=style).still()
+        one_sided = False
+        robot = track
+        if state == "stand" and np.any(track.reach > 0.3) and rng.random() < 0.35:
+            track, robot, one_sided = *both_arms(track, rng), True
+        pairs = pair_up(track, realize(robot), person, rng)
+        done += len(pairs) / 30.0
+        yield pairs
+        if not one_sided and rng.random() < 0.5:
+            yield mirrored(pairs)
+            done += len(pairs) / 30.0
+
+
+def both_arms(track: IntentTrack, rng: np.random.Generator) -> tuple[IntentTrack, IntentTrack]:
+    """A standing track in which both arms rise, for the person, and what the robot makes of it.
+
+    A stand can raise one paw only: that of the higher arm, and of the right one among equals.
+    People raise both arms all the time; without such frames a mapper would raise both, or none.
+    """
+    up = track.reach.max(axis=1)
+    side = track.reach_side[np.arange(len(track)), track.reach.argmax(axis=1)]
+    shares = np.clip(1.0 - np.abs(rng.normal(0.0, 0.12, 2)), 0.6, 1.0)
+    reach = up[:, None] * shares
+    # Arms go out to both sides alike, or forward.
+    out = np.abs(side)[:, None] * np.array([-1.0, 1.0])
+    human = replace(track, reach=reach, reach_side=out)
+    lead = reach[:, 0] - reach[:, 1] + 0.15
+    share = smoothstep((lead / 0.2 + 1.0) / 2.0)
+    robot = replace(
+        human, reach=np.stack([reach[:, 0] * (share > 0.5), reach[:, 1] * (share <= 0.5)], -1)
+    )
+    return human, robot
+
+
+def pair_up(
+    track: IntentTrack, motion: ReferenceMotion, person: Person, rng: np.random.Generator
+) -> PairSet:
+    """One performance's pairs: acted, warped in time, seen, aligned."""
+    performance = play(sig.of_track(track), person, rng, track.task)
+    shift = performance.delay_frames
+    clip, n = performance.clip, len(track) - shift
+    if n < 30:
+        raise ValueError(f"track of {len(track)} frames is shorter than its performer's delay")
+    at = _time_warp(n, rng)
+    seen = HumanClip(
+        name=clip.name,
+        t=np.arange(len(at)) / 30.0,
+        joint_pos_w=_sample(clip.joint_pos_w[shift:], at),
+        confidence=np.minimum(
+            clip.confidence[shift:][np.floor(at).astype(int)],
+            clip.confidence[shift:][np.ceil(at).astype(int)],
+        ),
+    )
+    # A file is scanned ahead, a live person is not: learn from both.
+    known = calibrate([seen[i] for i in range(0, len(seen), 15)])
+    triplet = np.concatenate(
+        clip_features(seen, known if rng.random() < 0.7 else Calibration()), axis=-1
+    )
+    robot = label_motion(
+        track.state,
+        _sample(motion.base_pos[:n], at),
+        spatial.normalize(_sample(motion.base_quat[:n], at)),
+        _sample(motion.joint_pos[:n], at),
+        motion.dt,
+    )
+    # A person who was not scanned takes a second to be known; the filter half of one to settle.
+    keep = slice(15, None)
+    return PairSet(
+        triplet=triplet[keep].astype(np.float32),
+        contact=_sample(motion.foot_contact[:n], at)[keep].astype(np.float32),
+        clip=np.zeros(len(at[keep]), dtype=np.int64),
+        **{name: x[keep].astype(np.float32) for name, x in robot.items()},
+    )
+
+
+def label_motion(
+    state: StateName, base_pos: Array, base_quat: Array, joint_pos: Array, dt: float
+) -> dict[str, Array]:
+    """joint_pos, base_quat (state's frame), rates and base_pos of a robot motion of T frames.
+
+    Backward differences over 0.1 s. Walking, the state's frame turns with the heading.
+    """
+    yaw = spatial.heading(base_quat) if EXPERTS[state].turns else np.zeros(len(base_quat))
+    frame = np.zeros_like(base_quat)
+    frame[:, 0], frame[:, 3] = np.cos(0.5 * yaw), np.sin(0.5 * yaw)
+    back = np.maximum(np.arange(len(joint_pos)) - DELTA, 0)
+    span = DELTA * dt
+    rates = np.zeros((len(joint_pos), NUM_RATES))
+
+    def rate(x: Array) -> Array:
+        return (x - x[back]) / span
+
+    lin_vel_w = rate(base_pos)
+    turn = spatial.quat_mul(spatial.quat_conj(base_quat[back]), base_quat)
+    ang_vel = spatial.quat_to_rotvec(turn) / span
+    for name, value in (
+        ("joint_vel", rate(joint_pos)),
+        ("joint_acc", rate(rate(joint_pos))),
+        ("base_lin_vel", spatial.quat_rotate_inverse(frame, lin_vel_w)),
+        ("base_lin_acc", spatial.quat_rotate_inverse(frame, rate(lin_vel_w))),
+        ("base_ang_vel", ang_vel),
+        ("base_ang_acc", rate(ang_vel)),
+    ):
+        rates[:, RATES[name]] = value
+    quat = spatial.quat_mul(spatial.quat_conj(frame), base_quat)
+    return {"joint_pos": joint_pos, "base_quat": quat, "rates": rates, "base_pos": base_pos}
+
+
+_MIRROR_BONES = np.array(MIRROR[1:]) - 1
+_FEATURE_ORDER = np.concatenate(
+    [np.arange(3 * NUM_BONES).reshape(NUM_BONES, 3)[_MIRROR_BONES].ravel(), [3 * NUM_BONES]]
+)
+_FEATURE_SIGN = np.append(np.tile([1.0, -1.0, 1.0], NUM_BONES), 1.0)
+_LEGS = np.array([1, 0, 3, 2])
+_JOINT_ORDER = (_LEGS[:, None] * 3 + np.arange(3)).ravel()
+_JOINT_SIGN = np.tile([-1.0, 1.0, 1.0], 4)
+_VECTOR, _AXIAL = np.array([1.0, -1.0, 1.0]), np.array([-1.0, 1.0, -1.0])
+
+
+def mirror_triplet(triplet: Array32) -> Array32:
+    """Triplets (N, 3F) of the mirror image: exactly what the features of a mirrored person are."""
+    q = triplet.reshape(len(triplet), 3, FEATURE_DIM)
+    return (q[..., _FEATURE_ORDER] * _FEATURE_SIGN.astype(np.float32)).reshape(triplet.shape)
+
+
+def mirrored(pairs: PairSet) -> PairSet:
+    """Both mirrored in their x-z planes: left arm and left paw become right."""
+    rates = pairs.rates.copy()
+    for name in ("joint_vel", "joint_acc"):
+        rates[:, RATES[name]] = rates[:, RATES[name]][:, _JOINT_ORDER] * _JOINT_SIGN
+    for name in ("base_lin_vel", "base_lin_acc"):
+        rates[:, RATES[name]] *= _VECTOR.astype(np.float32)
+    for name in ("base_ang_vel", "base_ang_acc"):
+        rates[:, RATES[name]] *= _AXIAL.astype(np.float32)
+    return PairSet(
+        triplet=mirror_triplet(pairs.triplet),
+        joint_pos=(pairs.joint_pos[:, _JOINT_ORDER] * _JOINT_SIGN).astype(np.float32),
+        base_quat=(pairs.base_quat * [1.0, -1.0, 1.0, -1.0]).astype(np.float32),
+        rates=rates,
+        contact=pairs.contact[:, _LEGS],
+        base_pos=(pairs.base_pos * _VECTOR).astype(np.float32),
+        clip=pairs.clip,
+    )
+
+
+def _time_warp(n: int, rng: np.random.Generator, most: float = 0.15) -> Array:
+    """(M,) positions in [0, n - 1] at which to sample n frames: speeds within 1 ± most."""
+    period = rng.uniform(2.0, 5.0) * 30.0
+    steps = 1.0 + rng.uniform(0.0, most) * np.sin(
+        2.0 * np.pi * (np.arange(2 * n) / period + rng.random())
+    )
+    steps *= 1.0 + rng.uniform(-0.5, 0.5) * most
+    at = np.cumsum(steps) - steps[0]
+    return at[at <= n - 1]
+
+
+def _sample(x: Array, at: Array) -> Array:
+    low = np.floor(at).astype(int)
+    high = np.minimum(low + 1, len(x) - 1)
+    w = (at - low).reshape(-1, *([1] * (x.ndim - 1)))
+    return (1.0 - w) * x[low] + w * x[high]
