@@ -1,0 +1,131 @@
+"""The shapes the view is made of, as plain arrays: the person's bones, discs for contacts.
+
+A bone is one tapered solid of revolution about +z, from z = 0 to 1 with radius 1, drawn once and
+scaled for each bone: (radius_x, radius_y, length). Everything here is pure numpy.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import spatial
+from studio.human.skeleton import INDEX, NUM_JOINTS, PARENTS
+
+Array = NDArray[np.float64]
+LIMB_COLOR = (222, 130, 84)
+TRUNK_COLOR = (204, 104, 62)
+JOINT_COLOR = (233, 158, 116)
+
+# Radius across the body and front to back, m, of the bone that ends in each joint.
+_BONE_RADII: dict[str, tuple[float, float]] = {
+    "spine": (0.125, 0.095), "chest": (0.155, 0.105), "neck": (0.055, 0.055), "head": (0.05, 0.05),
+    "shoulder": (0.06, 0.06), "elbow": (0.047, 0.047), "wrist": (0.038, 0.038),
+    "hip": (0.085, 0.085), "knee": (0.077, 0.077), "ankle": (0.055, 0.055), "toe": (0.04, 0.034),
+}  # fmt: skip
+_JOINT_RADII: dict[str, float] = {
+    "pelvis": 0.1, "spine": 0.094, "chest": 0.1, "neck": 0.056, "head": 0.112, "shoulder": 0.062,
+    "elbow": 0.045, "wrist": 0.043, "hip": 0.084, "knee": 0.06, "ankle": 0.045, "toe": 0.034,
+}  # fmt: skip
+
+
+def _by_part(name: str) -> str:
+    return name.split("_")[-1]
+
+
+JOINT_RADII = np.array([_JOINT_RADII[_by_part(name)] for name in INDEX])
+"""(19,) m."""
+BONES: tuple[int, ...] = tuple(i for i in range(NUM_JOINTS) if PARENTS[i] >= 0)
+"""Joint in which each of the 18 bones ends; it starts in that joint's parent."""
+_NAMES = tuple(INDEX)
+BONE_RADII = np.array([_BONE_RADII[_by_part(_NAMES[i])] for i in BONES])
+"""(18, 2) m, across the body and front to back."""
+BONE_COLORS = np.array(
+    [
+        TRUNK_COLOR if _by_part(_NAMES[i]) in ("spine", "chest", "hip") else LIMB_COLOR
+        for i in BONES
+    ],
+    dtype=np.uint8,
+)
+JOINT_COLORS = np.array(
+    [TRUNK_COLOR if n in ("pelvis", "spine", "chest") else JOINT_COLOR for n in _NAMES],
+    dtype=np.uint8,
+)
+BONE_START = np.array([PARENTS[i] for i in BONES])
+BONE_END = np.array(BONES)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mesh:
+    """vertices (V, 3) float32, m; faces (F, 3) uint32, counter-clockwise from outside."""
+
+    vertices: NDArray[np.float32]
+    faces: NDArray[np.uint32]
+
+
+def revolved(profile: list[tuple[float, float]], segments: int = 12) -> Mesh:
+    """A closed solid of revolution about +z from (radius, z) pairs, bottom to top."""
+    angle = np.linspace(0.0, 2.0 * np.pi, segments, endpoint=False)
+    ring = np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    rings = [np.column_stack([r * ring, np.full(segments, z)]) for r, z in profile]
+    low, high = len(rings) * segments, len(rings) * segments + 1
+    caps = [[(0.0, 0.0, profile[0][1])], [(0.0, 0.0, profile[-1][1])]]
+    faces: list[tuple[int, int, int]] = []
+    for i in range(segments):
+        j = (i + 1) % segments
+        faces.append((low, j, i))
+        for k in range(len(rings) - 1):
+            a, b = k * segments, (k + 1) * segments
+            faces += [(a + i, a + j, b + j), (a + i, b + j, b + i)]
+        top = (len(rings) - 1) * segments
+        faces.append((high, top + i, top + j))
+    return Mesh(
+        vertices=np.concatenate([*rings, *caps]).astype(np.float32),
+        faces=np.array(faces, dtype=np.uint32),
+    )
+
+
+def bone_mesh() -> Mesh:
+    """A limb: fuller near its start, slimmer at its end."""
+    profile = [(0.86, 0.0), (0.96, 0.12), (1.0, 0.32), (0.95, 0.6), (0.86, 0.85), (0.8, 1.0)]
+    return revolved(profile)
+
+
+def ball_mesh() -> Mesh:
+    """A unit sphere."""
+    theta = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 9)[1:-1]
+    profile = [(float(np.cos(t)), float(np.sin(t))) for t in theta]
+    mesh = revolved(profile, 14)
+    mesh.vertices[-2], mesh.vertices[-1] = (0, 0, -1), (0, 0, 1)
+    return mesh
+
+
+def disc_mesh() -> Mesh:
+    """A flat disc of radius 1, lying on the ground."""
+    return revolved([(1.0, 0.0), (1.0, 0.02)], 24)
+
+
+def bone_transforms(joint_pos: Array) -> tuple[Array, Array, Array]:
+    """Position (18, 3), wxyz (18, 4) and scale (18, 3) of each bone for joints (19, 3), m.
+
+    z runs along the bone, x across the body, so that the trunk is broad from the front.
+    """
+    start = joint_pos[BONE_START]
+    along = joint_pos[BONE_END] - start
+    length = np.linalg.norm(along, axis=-1)
+    z = spatial.normalize(along)
+    z[length < 1e-9] = (0.0, 0.0, 1.0)
+    across = joint_pos[INDEX["l_hip"]] - joint_pos[INDEX["r_hip"]]
+    upper = joint_pos[INDEX["l_shoulder"]] - joint_pos[INDEX["r_shoulder"]]
+    hint = np.broadcast_to(across, z.shape).copy()
+    hint[: INDEX["l_hip"] - 1] = upper
+    hint[0] = across  # the lower trunk turns with the hips
+    x = hint - (hint * z).sum(-1, keepdims=True) * z
+    # A bone that lies across the body (a collar bone) has no such direction: any other will do.
+    thin = np.linalg.norm(x, axis=-1) < 0.3 * np.linalg.norm(hint, axis=-1) + 1e-9
+    other = np.eye(3)[np.argmin(np.abs(z), axis=-1)]
+    x[thin] = (other - (other * z).sum(-1, keepdims=True) * z)[thin]
+    x = spatial.normalize(x)
+    rotation = np.stack([x, np.cross(z, x), z], axis=-1)
+    scale = np.column_stack([BONE_RADII, length])
+    return start, spatial.quat_from_matrix(rotation), scale

@@ -1,0 +1,72 @@
+"""Dropped motion files: a BVH or JSONL is checked whole, kept for this run, and made the source."""
+
+import asyncio
+import re
+import secrets
+from pathlib import Path
+from typing import Any
+
+from fastapi import APIRouter, Request
+
+from studio.errors import StudioError
+from studio.live.commands import SetSource
+from studio.mocap import open_source
+from studio.web.hub import Hub, refused
+
+MAX_FILE = 64 * 1024 * 1024
+"""Bytes: ten minutes of 120 Hz BVH are 40 MB."""
+KINDS = {".bvh": "bvh", ".jsonl": "frames", ".json": "frames"}
+
+
+def safe_name(name: str) -> str:
+    """The file's own name, fit for a path: letters, digits, dashes, one dot."""
+    stem = re.sub(r"[^A-Za-z0-9_-]+", "_", Path(name.replace("\\", "/")).stem).strip("_")
+    return f"{stem[:60] or 'motion'}{Path(name).suffix.lower()}"
+
+
+def files_router(hub: Hub, folder: Path) -> APIRouter:
+    """`folder`: where dropped files live while the studio runs."""
+    router = APIRouter(prefix="/api", tags=["studio"])
+
+    @router.post("/files")
+    async def drop(name: str, request: Request) -> dict[str, Any]:
+        """Body: the file's bytes; `name`: its name. Answers the state, with it as the source."""
+        kind = KINDS.get(Path(name).suffix.lower())
+        if kind is None:
+            raise refused(f"{name[:80]!r} is not a motion file: drop a .bvh or a .jsonl", 415)
+        declared = request.headers.get("content-length", "")
+        if declared.isdigit() and int(declared) > MAX_FILE:
+            raise refused(_too_large(), 413)
+        path = folder / f"{secrets.token_hex(4)}_{safe_name(name)}"
+        size = 0
+        with path.open("wb") as file:
+            async for chunk in request.stream():
+                size += len(chunk)
+                if size > MAX_FILE:
+                    break
+                file.write(chunk)
+        try:
+            if size > MAX_FILE:
+                raise refused(_too_large(), 413)
+            spec = f"{kind}:{path}"
+            await asyncio.get_running_loop().run_in_executor(hub.workers, check, spec, name)
+            await hub.apply(SetSource(spec=spec), request)
+        except BaseException:
+            path.unlink(missing_ok=True)
+            raise
+        return hub.state()
+
+    return router
+
+
+def check(spec: str, name: str) -> None:
+    """Open the file as a source once; 422 with the reader's words (and line) if it cannot be."""
+    try:
+        open_source(spec).close()
+    except StudioError as error:
+        path = spec.partition(":")[2]
+        raise refused(str(error).replace(path, name), 422) from error
+
+
+def _too_large() -> str:
+    return f"the file is larger than {MAX_FILE // 2**20} MB: cut it into shorter clips"

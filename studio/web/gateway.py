@@ -1,0 +1,93 @@
+"""The one public port: page, API, sockets and the framed 3-D view, behind one door."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+from fastapi import FastAPI, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import FileResponse, HTMLResponse, JSONResponse
+from starlette.exceptions import HTTPException
+from starlette.staticfiles import StaticFiles
+from starlette.types import ASGIApp
+
+import studio
+from studio.web.access import AccessMiddleware
+from studio.web.commands_api import commands_router
+from studio.web.files_api import files_router
+from studio.web.hub import Hub
+from studio.web.inner import InnerViser
+from studio.web.relay import view_router
+from studio.web.sockets import sockets_router
+from studio.web.takes_api import takes_router
+
+
+def assets_folder() -> Path:
+    """The page's files: beside the sources, or beside the package in an installation."""
+    root = Path(__file__).resolve().parents[2]
+    for folder in (root / "web_assets", Path(studio.__file__).parent / "web_assets"):
+        if (folder / "index.html").is_file():
+            return folder
+    raise FileNotFoundError("web_assets/index.html is missing; install A1 Studio again")
+
+
+def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
+    """The application, access checks outermost. uploads: an existing folder for dropped files."""
+    assets = assets_folder()
+
+    @asynccontextmanager
+    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+        import asyncio
+
+        hub.feed.start(asyncio.get_running_loop())
+        yield
+        hub.feed.stop()
+        hub.close()
+
+    app = FastAPI(
+        title="A1 Studio",
+        version=studio.__version__,
+        docs_url=None,
+        redoc_url=None,
+        openapi_url="/api/openapi.json",
+        lifespan=lifespan,
+    )
+    app.include_router(commands_router(hub))
+    app.include_router(takes_router(hub))
+    app.include_router(files_router(hub, uploads))
+    app.include_router(sockets_router(hub))
+    if inner is not None:
+        app.include_router(view_router(inner))
+
+    @app.get("/", include_in_schema=False)
+    async def index() -> FileResponse:
+        """The page."""
+        return FileResponse(assets / "index.html", media_type="text/html")
+
+    @app.get("/api/docs", include_in_schema=False)
+    async def docs(request: Request) -> Any:
+        """The schema: for people as a page, for programs as JSON."""
+        if "text/html" in request.headers.get("accept", ""):
+            return HTMLResponse((assets / "docs.html").read_text("utf-8"))
+        return JSONResponse(app.openapi())
+
+    for name in ("css", "js", "img"):
+        if (assets / name).is_dir():
+            app.mount(f"/assets/{name}", StaticFiles(directory=assets / name), name=name)
+
+    @app.exception_handler(HTTPException)
+    async def refused(_: Request, error: HTTPException) -> JSONResponse:
+        """Every refusal says why."""
+        return JSONResponse({"why": error.detail, "error": error.detail}, error.status_code)
+
+    @app.exception_handler(RequestValidationError)
+    async def malformed(_: Request, error: RequestValidationError) -> JSONResponse:
+        """A body that does not fit: which field, and what it should be."""
+        said = "; ".join(
+            f"{'.'.join(str(part) for part in e['loc'][1:]) or 'body'}: {e['msg']}"
+            for e in error.errors()
+        )
+        return JSONResponse({"why": said, "error": said}, 422)
+
+    return AccessMiddleware(app, hub.access)

@@ -1,0 +1,79 @@
+"""What the gateway's routes share: the loop, the desk, the feed, and how a command is answered."""
+
+import asyncio
+import logging
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fastapi import HTTPException, Request
+
+from studio.imitation.controllers import CONTROLLERS
+from studio.live.commands import Command, Result, Stop
+from studio.live.loop import LiveLoop
+from studio.reference.library import TASKS
+from studio.web.access import AccessConfig
+from studio.web.desk import ControlDesk
+from studio.web.feed import TickFeed
+from studio.web.keyboard import intent_of
+
+log = logging.getLogger(__name__)
+ANSWER_TIMEOUT = 8.0
+"""s to wait for the loop's answer: a reset may take 3, a file's source a few more."""
+TASK_NAMES = list(TASKS)
+CONTROLLER_NAMES = list(CONTROLLERS)
+
+
+@dataclass(kw_only=True)
+class Hub:
+    """One running studio, as its routes see it. sessions: the folder of takes."""
+
+    loop: LiveLoop
+    access: AccessConfig
+    desk: ControlDesk
+    feed: TickFeed
+    sessions: Path
+
+    def __post_init__(self) -> None:
+        # A stop never queues behind other requests that wait for the loop.
+        self.stops = ThreadPoolExecutor(max_workers=2, thread_name_prefix="stop")
+        self.workers = ThreadPoolExecutor(max_workers=8, thread_name_prefix="gateway")
+
+    async def submit(self, command: Command) -> Result:
+        """Ask the loop from the event loop, which goes on meanwhile."""
+        pool = self.stops if isinstance(command, Stop) else self.workers
+        event_loop = asyncio.get_running_loop()
+        return await event_loop.run_in_executor(pool, self.loop.submit, command, ANSWER_TIMEOUT)
+
+    async def apply(self, command: Command, request: Request | None = None) -> Result:
+        """Submit for a request; 409 with `why` if the loop, or whoever holds control, refuses."""
+        page = request.headers.get("x-studio-page") if request is not None else None
+        why = "" if isinstance(command, Stop) else self.desk.refusal(page)
+        if why:
+            raise refused(why)
+        result = await self.submit(command)
+        if not result.ok:
+            raise refused(result.why)
+        return result
+
+    def state(self) -> dict[str, Any]:
+        """GET /api/state, with who holds control."""
+        more = {"control": self.desk.state(), "tasks": TASK_NAMES, "controllers": CONTROLLER_NAMES}
+        return {**self.loop.state_dict(), **more}
+
+    def drive(self, page: str, keys: frozenset[str]) -> None:
+        """Keys held by the page in control become what the hand-driven operator means."""
+        set_intent = getattr(self.loop.session.source, "set_intent", None)
+        if page == self.desk.holder and set_intent is not None:
+            set_intent(intent_of(keys))
+
+    def close(self) -> None:
+        """Let no thread linger."""
+        self.stops.shutdown(wait=False, cancel_futures=True)
+        self.workers.shutdown(wait=False, cancel_futures=True)
+
+
+def refused(why: str, status: int = 409) -> HTTPException:
+    """An answer of {"why": …} with a status."""
+    return HTTPException(status, detail=why)

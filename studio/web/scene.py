@@ -1,0 +1,194 @@
+"""The 3-D view: a Tick becomes three figures on a floor, in some twenty messages a frame.
+
+Meshes are sent once, batched by shape; afterwards only poses change. `update` belongs to one
+thread (view.py).
+"""
+
+import numpy as np
+import viser
+from numpy.typing import NDArray
+
+from studio.human.pose import HumanPose
+from studio.recording.tick import Tick
+from studio.robot import a1
+from studio.robot.kinematics import foot_pos_w, link_frames_w
+from studio.robot.pose import RobotPose
+from studio.sim import visual
+from studio.web import figures
+from studio.web.batch import HIDDEN, Batch
+from studio.web.follow import (
+    HUMAN_COLUMN,
+    HUMAN_SCALE,
+    REFERENCE_COLUMN,
+    ROBOT_COLUMN,
+    Follow,
+    HumanPlace,
+)
+
+Array = NDArray[np.float64]
+
+REFERENCE_TINT = (92, 156, 255)
+CONTACT_ON = np.array([46, 204, 130], dtype=np.float64)
+CONTACT_OFF = np.array([120, 128, 145], dtype=np.float64)
+CONTACT_RADIUS = 0.036
+GRID_SECTION = 0.5
+CAPTION_HEIGHTS = {"human": 1.06, "reference": 0.52, "robot": 0.52}
+"""Where the page hangs its captions above each figure, m."""
+
+
+class HumanFigure:
+    """The person: 18 bones and 19 joints in two batches."""
+
+    def __init__(self, scene: viser.SceneApi) -> None:
+        self._place = HumanPlace()
+        n_bones, n_joints = len(figures.BONES), len(figures.JOINT_RADII)
+        bone, ball = figures.bone_mesh(), figures.ball_mesh()
+        self._bones = Batch(scene, "/human/bones", bone, n_bones, figures.BONE_COLORS, scaled=True)
+        self._joints = Batch(
+            scene, "/human/joints", ball, n_joints, figures.JOINT_COLORS, scaled=True
+        )
+        self._radii = HUMAN_SCALE * np.repeat(figures.JOINT_RADII[:, None], 3, axis=1)
+
+    def reset(self) -> None:
+        """Another source: find floor and heading anew."""
+        self._place.reset()
+
+    def update(self, pose: HumanPose | None, dt: float) -> None:
+        """Draw the pose; joints that were not seen, and bones that end in them, vanish."""
+        if pose is None:
+            return
+        joints = self._place.place(pose, dt)
+        unseen = pose.confidence <= 0.0
+        start, wxyz, scale = figures.bone_transforms(joints)
+        scale[:, :2] *= HUMAN_SCALE
+        scale[unseen[figures.BONE_END] | unseen[figures.BONE_START]] = HIDDEN
+        self._bones.move(start, wxyz, scale)
+        radii = np.where(unseen[:, None], HIDDEN, self._radii)
+        self._joints.move(joints, scale=radii)
+
+
+class RobotFigure:
+    """An A1: links of the same shape share one batch."""
+
+    def __init__(
+        self,
+        scene: viser.SceneApi,
+        name: str,
+        *,
+        tint: tuple[int, int, int] | None = None,
+        opacity: float | None = None,
+    ) -> None:
+        meshes = visual.link_meshes()
+        groups: dict[bytes, list[str]] = {}
+        for link, mesh in meshes.items():
+            groups.setdefault(mesh.vertices.tobytes() + mesh.faces.tobytes(), []).append(link)
+        self._batches: list[tuple[NDArray[np.intp], Batch]] = []
+        for links in groups.values():
+            mesh = meshes[links[0]]
+            shape = figures.Mesh(vertices=mesh.vertices, faces=mesh.faces)
+            batch = Batch(
+                scene, f"/{name}/{links[0]}", shape, len(links), tint or mesh.color, opacity=opacity
+            )
+            self._batches.append((np.array([a1.LINKS.index(link) for link in links]), batch))
+
+    def update(self, pose: RobotPose, shift: Array) -> None:
+        """Draw the pose, its world moved by `shift` (3,) m."""
+        pos, quat = link_frames_w(pose.base_pos, pose.base_quat, pose.joint_pos)
+        pos = pos + shift
+        for links, batch in self._batches:
+            batch.move(pos[links], quat[links])
+
+
+class StudioScene:
+    """Everything in the view. One thread calls `update`."""
+
+    def __init__(self, server: viser.ViserServer) -> None:
+        self._server = server
+        scene = server.scene
+        server.initial_camera.position = (3.1, -1.2, 1.35)
+        server.initial_camera.look_at = (0.0, -0.03, 0.45)
+        server.initial_camera.fov = 0.5
+        # One light with one shadow map: viser's default draws every mesh three times more.
+        scene.configure_default_lights(enabled=False)
+        scene.configure_environment_map("studio", environment_intensity=0.42)
+        scene.add_light_spot(
+            "/lights/key",
+            position=(2.2, -1.6, 4.2),
+            direction=(-2.2, 1.6, -4.2),
+            angle=0.62,
+            penumbra=0.9,
+            decay=0.0,
+            intensity=1.7,
+            cast_shadow=True,
+        )
+        self._floor = scene.add_grid(
+            "/floor",
+            width=16.0,
+            height=16.0,
+            cell_size=GRID_SECTION / 5,
+            section_size=GRID_SECTION,
+            cell_color=(130, 140, 160),
+            section_color=(110, 122, 148),
+            cell_thickness=0.5,
+            section_thickness=0.9,
+            fade_distance=7.0,
+            fade_strength=2.2,
+            fade_from="origin",
+            shadow_opacity=0.32,
+        )
+        self._human = HumanFigure(scene)
+        self._reference = RobotFigure(scene, "reference", tint=REFERENCE_TINT, opacity=0.62)
+        self._robot = RobotFigure(scene, "robot")
+        self._contacts = Batch(
+            scene,
+            "/contacts",
+            figures.disc_mesh(),
+            8,
+            np.tile(CONTACT_OFF, (8, 1)),
+            scaled=True,
+            shadow=False,
+        )
+        for name, column in (
+            ("human", HUMAN_COLUMN),
+            ("reference", REFERENCE_COLUMN),
+            ("robot", ROBOT_COLUMN),
+        ):
+            anchor = (column[0], column[1], CAPTION_HEIGHTS[name])
+            scene.add_frame(f"/captions/{name}", show_axes=False, position=anchor)
+        self._follow = {"reference": Follow(), "robot": Follow()}
+        self._last_t = -np.inf
+
+    def update(self, tick: Tick, dt: float) -> None:
+        """Show `tick`; dt: seconds since the tick shown before."""
+        if tick.t < self._last_t:
+            self._human.reset()
+        self._last_t = tick.t
+        with self._server.atomic():
+            self._human.update(tick.human, dt)
+            shifts = {}
+            for name, pose in (("reference", tick.reference), ("robot", tick.robot)):
+                xy = self._follow[name].push(pose.base_pos[:2], dt)
+                column = REFERENCE_COLUMN if name == "reference" else ROBOT_COLUMN
+                shifts[name] = column - np.array([xy[0], xy[1], 0.0])
+            self._reference.update(tick.reference, shifts["reference"])
+            self._robot.update(tick.robot, shifts["robot"])
+            self._update_contacts(tick, shifts)
+            # The floor passes under the simulated robot; its pattern repeats every section.
+            floor = -np.mod(ROBOT_COLUMN - shifts["robot"], GRID_SECTION)
+            self._floor.position = (float(floor[0]), float(floor[1]), 0.0)
+        self._server.flush()
+
+    def _update_contacts(self, tick: Tick, shifts: dict[str, Array]) -> None:
+        pose = tick.reference
+        feet = np.concatenate(
+            [
+                foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos) + shifts["reference"],
+                tick.robot.foot_pos_w + shifts["robot"],
+            ]
+        )
+        contact = np.concatenate([pose.foot_contact, tick.robot.foot_contact])[:, None]
+        feet[:, 2] = 0.002
+        contact = np.clip(contact, 0.0, 1.0)
+        radius = np.repeat(CONTACT_RADIUS * (0.55 + 0.45 * contact), 3, axis=1)
+        color = CONTACT_OFF + contact * (CONTACT_ON - CONTACT_OFF)
+        self._contacts.move(feet, scale=radius, color=color)

@@ -1,0 +1,117 @@
+"""Recording and takes over HTTP: start, stop, list, edit, undo, export, throw into the bin."""
+
+import asyncio
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+from fastapi import APIRouter, Request
+from fastapi.responses import FileResponse
+from pydantic import BaseModel, ConfigDict, Field
+from starlette.background import BackgroundTask
+
+from studio.errors import StudioError
+from studio.live.commands import StartTake, StopTake
+from studio.recording.exports import export as export_take
+from studio.recording.library import SessionLibrary
+from studio.web.hub import Hub, refused
+
+T = TypeVar("T")
+
+
+class StartBody(BaseModel):
+    """A label to find the take again by."""
+
+    label: str = Field(default="", max_length=120)
+    name: str | None = Field(default=None, max_length=120)
+
+
+class EditBody(BaseModel):
+    """Any of a take's edits; what is left out stays."""
+
+    model_config = ConfigDict(extra="forbid")
+    label: str | None = Field(default=None, max_length=120)
+    note: str | None = Field(default=None, max_length=4000)
+    trim: tuple[float, float] | None = None
+    lag: float | None = Field(default=None, allow_inf_nan=False)
+    keep: bool | None = None
+    score: float | None = Field(default=None, allow_inf_nan=False)
+
+
+def takes_router(hub: Hub) -> APIRouter:
+    """`/api/takes`."""
+    router = APIRouter(prefix="/api/takes", tags=["takes"])
+    library = SessionLibrary(hub.sessions)
+
+    async def off_thread(work: Callable[..., T], *args: Any, status: int = 404, **more: Any) -> T:
+        """Disk work, away from the event loop; a StudioError becomes an answer."""
+        try:
+            return await asyncio.get_running_loop().run_in_executor(
+                hub.workers, lambda: work(*args, **more)
+            )
+        except StudioError as error:
+            raise refused(str(error), status) from error
+
+    @router.get("")
+    async def takes() -> list[dict[str, Any]]:
+        """Every take: name, label, seconds, ticks, score, kept."""
+        found = await off_thread(library.list, status=500)
+        return [info.as_dict() for info in found]
+
+    @router.post("/start")
+    async def start(request: Request, body: StartBody | None = None) -> dict[str, Any]:
+        """Record from now on."""
+        body = body or StartBody()
+        result = await hub.apply(StartTake(label=body.label, name=body.name), request)
+        return result.data
+
+    @router.post("/stop")
+    async def stop(request: Request) -> dict[str, Any]:
+        """End the take."""
+        return (await hub.apply(StopTake(), request)).data
+
+    @router.get("/{name}")
+    async def one(name: str) -> dict[str, Any]:
+        """One take."""
+        return (await off_thread(library.info, name)).as_dict()
+
+    @router.patch("/{name}")
+    async def edit(name: str, body: EditBody) -> dict[str, Any]:
+        """Label, note, trim, lag, keep, score. The tape itself is never touched."""
+        changes = body.model_dump(exclude_unset=True)
+        await off_thread(library.folder, name)
+        return (await off_thread(library.edit, name, status=422, **changes)).as_dict()
+
+    @router.delete("/{name}")
+    async def delete(name: str) -> dict[str, Any]:
+        """Into the bin."""
+        await off_thread(library.folder, name)
+        await off_thread(library.delete, name, status=409)
+        return {"name": name, "deleted": True}
+
+    @router.post("/{name}/undo")
+    async def undo(name: str) -> dict[str, Any]:
+        """Take the last edit back."""
+        await off_thread(library.folder, name)
+        return (await off_thread(library.undo, name, status=409)).as_dict()
+
+    @router.post("/{name}/redo")
+    async def redo(name: str) -> dict[str, Any]:
+        """Do it again."""
+        await off_thread(library.folder, name)
+        return (await off_thread(library.redo, name, status=409)).as_dict()
+
+    @router.get("/{name}/export")
+    async def export(name: str, format: str = "npz") -> FileResponse:
+        """A file: jsonl or bvh (the person), npz or csv (both)."""
+        take = await off_thread(library.read, name)
+        place = tempfile.TemporaryDirectory(prefix="a1-export-")
+        try:
+            path = await off_thread(export_take, take, format, Path(place.name), status=422)
+        except BaseException:
+            place.cleanup()
+            raise
+        return FileResponse(path, filename=path.name, background=BackgroundTask(place.cleanup))
+
+    return router

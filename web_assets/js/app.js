@@ -1,0 +1,184 @@
+// The page: wires panels, safety and the 3-D view to the studio.
+
+import { $, $$, attempt, capital, el, press, text, toast } from "./ui.js";
+import { controlLine, get, pageName, post, ticks } from "./net.js";
+import { captions, look, reloadView, startView, themeFrame } from "./view.js";
+import { count, drawHealth, framesPerSecond, percentile } from "./health.js";
+import { DRIVE, heldKeys, keyboard } from "./keys.js";
+import { VOCABULARY, meaningOf } from "./vocabulary.js";
+import { drawTakes, startTakes } from "./takes.js";
+import { startSource, drawSource } from "./source.js";
+
+const SLIDERS = [
+  { name: "tilt_gain", title: "Tilt gain", low: 0, high: 2, step: 0.05, show: (v) => `× ${v.toFixed(2)}`, help: "How far the robot leans when you do" },
+  { name: "dead_zone", title: "Dead zone", low: 0, high: 0.3, step: 0.005, show: (v) => `${((v * 180) / Math.PI).toFixed(1)}°`, help: "Leaning less than this is ignored" },
+  { name: "speed_cap", title: "Speed cap", low: 0, high: 1.5, step: 0.01, show: (v) => `${v.toFixed(2)} m/s`, help: "The robot walks no faster" },
+];
+const app = { tick: null, state: null, link: "connecting", lastTick: 0 };
+window.a1studio = app; // for tests and the curious
+
+// Safety first: these work even if something below fails.
+const line = controlLine({
+  heldKeys,
+  onState: (state) => { app.state = state; drawState(state); },
+  onLink: (link) => {
+    if (link === "up" && app.link === "down") reloadView();
+    app.link = link;
+    drawLink();
+  },
+});
+const actions = {
+  stop: () => { if ($("#shortcuts").open) $("#shortcuts").close(); line.stop(); $("#stop").animate([{ scale: 0.94 }, { scale: 1 }], 150); },
+  R: () => attempt(() => post("/api/reset")),
+  Enter: () => attempt(() => post("/api/arm")),
+  T: () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"),
+  "?": () => $("#shortcuts").showModal(),
+  1: () => look("front"), 2: () => look("side"), 3: () => look("behind"), 4: () => look("top"),
+};
+const driving = () => app.state?.source === "operator:interactive";
+const listen = keyboard(actions, driving, (held) => {
+  for (const key of $$("#pad kbd")) key.classList.toggle("held", held.has(key.textContent));
+  line.say();
+});
+listen(window);
+$("#stop").addEventListener("click", actions.stop);
+$("#reset").addEventListener("click", actions.R);
+$("#arm").addEventListener("click", actions.Enter);
+
+// Header and commands
+for (const button of $$("#mode button"))
+  button.addEventListener("click", () => attempt(() => post("/api/mode", { mode: button.dataset.mode })));
+for (const button of $$("#lock button"))
+  button.addEventListener("click", () => attempt(() => post("/api/state", { state: button.dataset.state })));
+$("#theme").addEventListener("click", actions.T);
+$("#help").addEventListener("click", actions["?"]);
+$("#control").addEventListener("click", () => attempt(async () => {
+  const mine = app.state?.control.holder === pageName();
+  const state = await post("/api/control", { page: pageName(), action: mine ? "release" : "take" });
+  toast(mine ? "Control given up" : "You have control", "good");
+  drawState({ ...app.state, ...state });
+}));
+$("#controller").addEventListener("change", (event) =>
+  attempt(() => post("/api/controller", { controller: event.target.value })));
+
+function setTheme(theme) {
+  document.documentElement.dataset.theme = theme;
+  localStorage.setItem("theme", theme);
+  themeFrame();
+}
+setTheme(localStorage.getItem("theme") ?? (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark"));
+
+// What is drawn once
+for (const slider of SLIDERS) {
+  const output = el("output", { for: slider.name });
+  const input = el("input", { type: "range", id: slider.name, min: slider.low, max: slider.high, step: slider.step, title: slider.help });
+  input.addEventListener("input", () => text(output, slider.show(+input.value)));
+  input.addEventListener("change", () => attempt(() => post("/api/gain", { name: slider.name, value: +input.value })));
+  $("#sliders").append(el("label", { class: "slider", title: slider.help }, el("span", {}, slider.title), output, input));
+}
+for (const item of VOCABULARY) {
+  const row = el("li", { "data-id": item.id });
+  row.innerHTML = `<svg viewBox="0 0 40 40" aria-hidden="true">${item.svg}</svg>`;
+  row.append(el("div", {}, el("b", {}, item.you), el("span", {}, `the robot ${item.it}`)));
+  $("#vocabulary").append(row);
+}
+for (const name of ["stand", "walk", "sit"])
+  $("#votes").append(el("div", { class: "vote", "data-name": name }, capital(name), el("i"), el("em", {}, "")));
+const rows = [
+  ["Esc", "emergency stop, wherever the focus is"], ["Space", "emergency stop, outside controls"],
+  ["R", "reset: stand up"], ["Enter", "arm: follow again"], ["1–4", "camera: front, side, behind, above"],
+  ["T", "dark or light"], ["?", "this help"],
+  ...DRIVE.map(([key, what]) => [key, `keyboard driving: ${what}`]),
+];
+for (const [key, what] of rows) $("#keys").append(el("kbd", {}, key), el("span", {}, what));
+
+startSource(app);
+startTakes(app);
+startView({ keys: listen, ready: () => $("#veil").classList.add("gone") });
+
+// What changes thirty times a second …
+ticks((tick) => {
+  app.tick = tick;
+  app.lastTick = performance.now();
+  app.latency = count(tick);
+  for (const row of $$("#votes .vote")) {
+    const share = tick.votes[row.dataset.name] ?? 0;
+    $("i", row).style.setProperty("--v", share);
+    text($("em", row), `${Math.round(100 * share)} %`);
+    row.classList.toggle("won", tick.expert === row.dataset.name);
+  }
+  const now = tick.state === "transition" ? `changing to ${tick.transition_to ?? "…"}` : tick.state;
+  text($("#state-now"), now);
+  captions({
+    human: tick.human ? (tick.expert === "unknown" ? "motion not known" : `meaning: ${tick.expert}`) : "nobody seen",
+    reference: now,
+    robot: tick.fallen ? "fallen" : tick.controller.replace("_", " "),
+  });
+  const meaning = meaningOf(tick);
+  for (const row of $$("#vocabulary li")) row.classList.toggle("now", row.dataset.id === meaning);
+});
+
+// … ten times …
+function drawState(state) {
+  press($("#mode"), "mode", state.mode);
+  press($("#lock"), "state", state.state_lock);
+  const stopped = Boolean(state.stopped);
+  $("#stopped").hidden = !stopped;
+  $(".stage").classList.toggle("is-stopped", stopped);
+  const needsReset = stopped && (state.needs_reset ?? !/robot is up/.test(state.why));
+  $("#reset").classList.toggle("next", needsReset);
+  $("#arm").classList.toggle("next", !needsReset && !state.armed);
+  $("#arm").disabled = Boolean(state.armed) && !stopped;
+  text($("#stopped span"), needsReset ? "Joints are damped. Press Reset to stand up, then Arm." : "The robot is up. Press Arm to follow again.");
+  const status = $("#status");
+  status.dataset.kind = stopped ? "stopped" : state.why ? "wait" : "moving";
+  const doing = { stand: "standing with you", walk: "walking as you march", sit: "sitting with you", transition: "changing its stance" };
+  text($("span", status), state.why ? capital(state.why) : `Following: ${doing[state.state] ?? state.state}`);
+  const { holder, pages } = state.control ?? { pages: [] };
+  const mine = holder === pageName();
+  const watchers = pages.length - 1;
+  $("#control").dataset.held = mine ? "you" : holder ? "other" : "none";
+  text($("#control"), mine ? `You drive${watchers > 0 ? ` · ${watchers} watching` : ""}` : "Take control");
+  for (const slider of SLIDERS) {
+    const value = state.gains?.[slider.name], input = $(`#${slider.name}`);
+    if (value === undefined || document.activeElement === input) continue;
+    input.value = value;
+    text($(`output[for="${slider.name}"]`), slider.show(value));
+  }
+  drawController(state);
+  drawSource(state);
+  drawTakes(state);
+}
+
+function drawController(state) {
+  const select = $("#controller");
+  const names = state.controllers ?? [state.controller ?? app.tick?.controller].filter(Boolean);
+  if (select.dataset.names !== names.join()) {
+    select.dataset.names = names.join();
+    select.replaceChildren(...names.map((name) => el("option", { value: name }, capital(name.replace("_", " ")))));
+  }
+  if (document.activeElement !== select) select.value = state.controller ?? app.tick?.controller ?? "";
+}
+
+function drawLink() {
+  const silent = app.link === "up" && app.lastTick && performance.now() - app.lastTick > 1000;
+  const link = silent ? "connecting" : app.link;
+  $("#chip-link").dataset.link = link;
+  text($("#chip-link b"), { up: "Connected", connecting: silent ? "No ticks" : "Connecting", down: "Disconnected" }[link]);
+  if (app.link === "down") {
+    $("#status").dataset.kind = "stopped";
+    text($("#status span"), "The studio does not answer; trying again. Is a1-studio serve still running?");
+  }
+}
+
+// … and four times.
+setInterval(() => {
+  drawLink();
+  if (!app.tick) return;
+  text($("#chip-fps b"), framesPerSecond().toFixed(0));
+  text($("#chip-latency b"), percentile(0.5).toFixed(2));
+  text($("#chip-rtt b"), line.roundTrip.toFixed(0));
+  drawHealth(app.tick.counters);
+}, 250);
+
+get("/api/health").catch((error) => toast(capital(error.message)));

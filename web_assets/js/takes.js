@@ -1,0 +1,52 @@
+// Recording, and the list of takes.
+
+import { $, attempt, el, text, toast } from "./ui.js";
+import { call, get, post } from "./net.js";
+
+let recording = null;
+
+export function startTakes(app) {
+  $("#record").addEventListener("click", () => attempt(async () => {
+    if (recording) {
+      const take = await post("/api/takes/stop");
+      toast(`Take ${take.name}: ${take.ticks} ticks`, "good");
+    } else {
+      await post("/api/takes/start", { label: $("#label").value.trim() });
+    }
+    refresh();
+  }));
+  refresh();
+}
+
+async function refresh() {
+  let takes;
+  try {
+    const data = await get("/api/takes");
+    takes = Array.isArray(data) ? data : data.takes;
+  } catch { return; }
+  const list = $("#takes");
+  if (!takes?.length) {
+    list.replaceChildren(el("li", { class: "empty" }, "No takes yet. Recording keeps you and the robot together."));
+    return;
+  }
+  list.replaceChildren(...takes.slice(0, 60).map((take) => el("li", {},
+    el("div", { class: "name", title: take.name }, el("b", {}, take.label || take.name),
+      el("span", {}, `${(take.seconds ?? 0).toFixed(1)} s · ${take.ticks ?? 0} ticks`)),
+    el("button", { title: "Let the recorded person drive the robot again", onclick: () =>
+      attempt(() => post("/api/source", { source: `take:${take.name}` })) }, "Play"),
+    el("button", { title: "Delete (to a bin)", "aria-label": `Delete ${take.name}`, onclick: () =>
+      attempt(async () => { await call("DELETE", `/api/takes/${take.name}`); refresh(); }) }, "✕"),
+  )));
+}
+
+export function drawTakes(state) {
+  const now = state.recording ?? null;
+  if (recording && !now) refresh();
+  recording = now;
+  const button = $("#record");
+  button.setAttribute("aria-pressed", Boolean(now));
+  text($("b", button), now ? "Stop" : "Record");
+  $("#chip-rec").hidden = !now;
+  if (now) text($("#chip-rec b"), `${((now.ticks ?? 0) / 30).toFixed(0)} s`);
+  text($("#record-now"), now ? now.name : "");
+}

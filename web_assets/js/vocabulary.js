@@ -1,0 +1,35 @@
+// Which human motion means what: the one table of the shipped mappers, drawn as stick figures.
+
+const head = (x, y) => `<circle cx="${x}" cy="${y}" r="4.2"/>`;
+const line = (...points) => `<path d="M${points.join("L")}"/>`;
+
+export const VOCABULARY = [
+  { id: "stand", you: "Stand upright, quiet", it: "stands", svg:
+    head(20, 8) + line("20 12", "20 24") + line("14 23", "15 17", "20 14", "25 17", "26 23") + line("15 37", "20 24", "25 37") },
+  { id: "tilt", you: "Lean, bend or twist your trunk", it: "tilts the same way", svg:
+    head(29, 10) + line("27 14", "20 24") + line("20 23", "22 17", "27 14", "32 19") + line("15 37", "20 24", "25 37") },
+  { id: "crouch", you: "Bend your knees a little", it: "crouches", svg:
+    head(20, 13) + line("20 17", "19 27") + line("14 27", "15 21", "20 18", "25 21", "26 27") + line("15 37", "14 30", "19 27", "26 30", "25 37") },
+  { id: "sit", you: "Squat deep, or sit", it: "sits, both paws free", svg:
+    head(18, 15) + line("18 19", "16 30") + line("17 21", "24 22", "30 20") + line("16 30", "26 29", "25 37") },
+  { id: "reach", you: "Raise or reach with an arm", it: "lifts the paw of that side", svg:
+    head(20, 9) + line("20 13", "20 24") + line("20 14", "27 10", "31 3") + line("20 14", "14 18", "13 24") + line("15 37", "20 24", "25 37") },
+  { id: "walk", you: "March in place", it: "walks: faster steps, faster pace", svg:
+    head(20, 8) + line("20 12", "20 24") + line("14 20", "15 15", "20 13", "25 17", "29 15") + line("20 37", "20 24", "28 25", "27 33") },
+  { id: "turn", you: "Twist while marching", it: "turns that way", svg:
+    head(20, 8) + line("20 12", "20 24") + line("12 16", "20 13", "28 17") + line("20 37", "20 24", "27 25", "27 32") + `<path d="M8 31a13 5 0 0 0 22 3m0 0l-5 -1m5 1l-1 -5" opacity=".7"/>` },
+];
+
+// The line of the table that a tick shows just now.
+export function meaningOf(tick) {
+  if (!tick.human || tick.expert === "unknown") return null;
+  if (tick.expert === "walk") return "walk";
+  if (tick.expert === "sit") return "sit";
+  const feet = tick.reference.foot_contact;
+  if (feet[0] < 0.5 || feet[1] < 0.5) return "reach";
+  const [w, x, y, z] = tick.reference.base_quat;
+  const roll = Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y));
+  const pitch = Math.asin(Math.max(-1, Math.min(1, 2 * (w * y - z * x))));
+  if (Math.hypot(roll, pitch) > 0.1) return "tilt";
+  return tick.reference.base_pos[2] < 0.25 ? "crouch" : "stand";
+}
