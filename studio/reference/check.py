@@ -78,7 +78,7 @@ def _feet(motion: ReferenceMotion, feet: Array) -> list[str]:
         frame, leg = np.unravel_index(np.argmax(above), above.shape)
         out.append(f"foot {a1.LEGS[leg]} stands {np.max(above):.4f} m above the floor at {frame}")
     slide = np.linalg.norm(backward_difference(feet[..., :2], motion.dt), axis=-1)
-    down = stands & (sole < 1e-3)
+    down = stands & (sole < 5e-4)  # not the first moment of a swing
     slide = np.where(down & np.concatenate([down[:1], down[:-1]]), slide, 0.0)
     if np.max(slide) > SLIDING:
         frame, leg = np.unravel_index(np.argmax(slide), slide.shape)

@@ -22,8 +22,8 @@ _CADENCES = (0.3, 0.9, 1.4)
 _DUTIES = (0.87, 0.80, 0.60)
 """... the share of the stride that a foot stands,"""
 _REAR_OFFSETS = (0.35, 0.28, 0.0)
-"""and the part of a stride by which a rear foot swings after the front foot across. A slow crawl has
-the time to swing quickly and to shift its weight in between."""
+"""and the part of a stride by which a rear foot swings after the front foot across. A slow crawl
+has the time to swing quickly and to shift its weight in between."""
 MAX_TRAVEL = 0.30
 """m: longest way of the body over a standing foot. Longer, feet of one side meet: played open loop,
 a trot at 1.4 strides a second fell with 0.34 and held with 0.30."""
@@ -36,6 +36,9 @@ MAX_SPEED = 0.97
 """m/s, the paper's fastest walk."""
 MAX_YAW_PER_STRIDE = 0.4
 """rad: so 15 degrees a second need at least 0.65 strides a second."""
+WAY_GAIN, TURN_GAIN = 0.25, 0.25
+"""m and rad per stride by which the way and the turn of a stride may grow from stride to stride: a
+foot is put down for the speed of the moment, and left behind when the body speeds up over it."""
 HALF_WIDTH = 0.1308
 """m: from the middle to the feet of one side."""
 CROUCH_DROP = 0.05
@@ -121,12 +124,6 @@ def max_turn(cadence: ArrayLike) -> Array:
 
 def _step_share(lift: ArrayLike) -> Array:
     return 1.0 - (1.0 - np.clip(np.asarray(lift, dtype=np.float64), 0.0, 1.0)) ** 2
-
-
-def march_lift(cadence: ArrayLike, speed: ArrayLike) -> Array:
-    """Lift (...) at which a march of this cadence means this speed: undoes `march_speed`."""
-    share = np.asarray(speed, dtype=np.float64) / np.maximum(speed_limit(cadence), 1e-9)
-    return 1.0 - np.sqrt(1.0 - np.clip(share, 0.0, 1.0))
 
 
 def swing_height(s: ArrayLike) -> Array:

@@ -17,7 +17,6 @@ from studio.reference.tracks import frames_in, make_track
 
 Array = NDArray[np.float64]
 
-_ACCELERATION = 1.0  # m/s^2
 _TEMPO_RAMP = 0.06  # strides: how soon the legs are at full tempo
 
 
@@ -73,13 +72,13 @@ def march_track(
 
 
 def _ramp(bout: Bout, at_speed: float) -> tuple[float, float]:
-    """Time for lift and speed to come and go, and the lift that a bout this short allows.
+    """Time (s) for lift and speed to come and go, and the lift that a bout this short allows.
 
-    At least 0.7 strides, and no more than 1 m/s^2: a robot does not start like a sprinter.
+    As long as the way of a stride needs to grow (gait.WAY_GAIN), so that the robot's speed is the
+    one that is meant: it does not start like a sprinter.
     """
-    needed = max(
-        0.7 / bout.cadence, float(gait.march_speed(bout.cadence, bout.lift)) / _ACCELERATION
-    )
+    way = float(gait.march_speed(bout.cadence, bout.lift)) / bout.cadence
+    needed = 1.2 * (way / gait.WAY_GAIN) / bout.cadence
     ramp = min(max(bout.ramp, needed), 0.5 * at_speed)
     return ramp, bout.lift * min(1.0, ramp / needed)
 

@@ -32,7 +32,7 @@ class Walker:
         """Stand at (x, y) m with this heading, all feet down at their neutral places."""
         self._x, self._y, self._yaw = x, y, yaw
         self._phase: float | None = None
-        self._tempo = 0.0
+        self._tempo = self._way = self._turn = 0.0
         self._anchor = [_ahead(x, y, yaw, foot) for foot in _FEET]
         self._foot = [(*p, 0.0) for p in self._anchor]
         self._swinging = [False] * 4
@@ -43,7 +43,7 @@ class Walker:
         advance = self._advance(intent.phase)
         self._tempo = self._next_tempo(intent.phase, float(gait.tempo(cadence)), advance)
         duty = float(gait.duty(self._tempo))
-        per_stride, turn = self._stride(intent, cadence)
+        per_stride, turn = self._stride(intent, cadence, advance)
         self._x, self._y, self._yaw = _arc(
             self._x, self._y, self._yaw, per_stride * advance, turn * advance
         )
@@ -76,16 +76,20 @@ class Walker:
         ):
             return wanted
         most = max(advance, 0.03)
-        return self._tempo + min(max(wanted - self._tempo, -most), most)
+        return _towards(self._tempo, wanted, most)
 
-    def _stride(self, intent: Intent, cadence: float) -> tuple[float, float]:
-        """Way (m) and turn (rad) per stride, within what the legs can do."""
+    def _stride(self, intent: Intent, cadence: float, advance: float) -> tuple[float, float]:
+        """Way (m) and turn (rad) of a stride, within what the legs can do and the last stride."""
         rate = max(cadence, 0.05)
         most = gait.MAX_YAW_PER_STRIDE
         turn = min(max(intent.turn / rate, -most), most)
         crouch = min(max(intent.crouch, 0.0), 1.0)
         longest = gait.MAX_TRAVEL * (1.0 - _CROUCH_SHORTER * crouch) / float(gait.duty(self._tempo))
-        return min(max(intent.speed, 0.0) / rate, longest - gait.HALF_WIDTH * abs(turn)), turn
+        way = min(max(intent.speed, 0.0) / rate, longest - gait.HALF_WIDTH * abs(turn))
+        gone = max(advance, 0.02)
+        self._way = _towards(self._way, way, gait.WAY_GAIN * gone)
+        self._turn = _towards(self._turn, turn, gait.TURN_GAIN * gone)
+        return self._way, self._turn
 
     def _swing(self, leg: int, done: float, landing: tuple[float, float], clear: float) -> None:
         """Move the foot a share `done` in [0, 1) of the way from where it stood to `landing`."""
@@ -115,6 +119,10 @@ class Walker:
         feet = np.array(self._foot)
         feet[:, 2] += a1.FOOT_RADIUS
         return base, np.array([roll, pitch, self._yaw]), feet
+
+
+def _towards(value: float, goal: float, most: float) -> float:
+    return value + min(max(goal - value, -most), most)
 
 
 def _any_swings(phase: float, tempo: float) -> bool:
