@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from studio.mocap.performer import signals as sig
 from studio.mocap.performer.signals import DT
@@ -24,12 +24,12 @@ class Beat:
     state: StateName
     task: str
     seconds: float = 0.0
-    goal: dict[str, object] = field(default_factory=dict)
+    goal: dict[str, ArrayLike] = field(default_factory=dict)
     hold: float = 0.3
     bout: Bout | None = None
 
 
-def _stand(seconds: float, task: str, **goal: object) -> Beat:
+def _stand(seconds: float, task: str, **goal: ArrayLike) -> Beat:
     return Beat(state="stand", task=task, seconds=seconds, goal=goal)
 
 
@@ -39,7 +39,7 @@ def _walk(task: str, cadence: float, half_strides: int, **rest: float) -> Beat:
     return Beat(state="walk", task=task, seconds=seconds, bout=bout)
 
 
-def _sit(seconds: float, task: str, **goal: object) -> Beat:
+def _sit(seconds: float, task: str, **goal: ArrayLike) -> Beat:
     return Beat(state="sit", task=task, seconds=seconds, goal=goal)
 
 

@@ -1,6 +1,8 @@
 """The synthetic person: repeatable, physically plausible, and fluent in the whole vocabulary."""
 
 import threading
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +17,7 @@ from studio.mocap.operator import (
     perform,
     play,
 )
-from studio.mocap.performer import FAMILIES
+from studio.mocap.performer import FAMILIES, exercise, labels, squats
 from studio.mocap.performer import signals as sig
 from studio.mocap.source import Source
 from studio.mocap.tour import TOUR, tour_signal
@@ -29,18 +31,18 @@ def person_of(seed: int, family: str = "default", **kwargs) -> Person:
     return Person.sample(np.random.default_rng(seed), family, sensor="mocap", **kwargs).still()
 
 
-def signal_of(seconds: float, **fields) -> np.ndarray:
+def signal_of(seconds: float, **fields: Any) -> np.ndarray:
     """Rest for one second, ease into `fields` within one, and hold them."""
     steps = round(seconds / DT)
     goal = sig.of_intents([Intent(**fields)])[0]
-    ease = sig.smoothstep(np.arange(steps) * DT - 1.0)[:, None]
+    ease = sig.smoothstep(np.linspace(-1.0, seconds - 1.0 - DT, steps))[:, None]
     signal = ease * goal
     signal[:, [sig.WALK, sig.SIT]] = goal[[sig.WALK, sig.SIT]]
     signal[:, sig.PHASE] = np.cumsum(signal[:, sig.CADENCE]) * DT
     return signal
 
 
-def show(person: Person, seconds: float = 5.0, **fields) -> np.ndarray:
+def show(person: Person, seconds: float = 5.0, **fields: Any) -> np.ndarray:
     """True joints (T, 19, 3) of `signal_of`."""
     return play(signal_of(seconds, **fields), person, 0, "test").true_pos_w
 
@@ -82,8 +84,8 @@ def test_frame_by_frame_and_whole_tracks_are_the_same_motion():
     track = IntentTrack(
         state="walk", task="walk", dt=DT, tilt=np.zeros((steps, 3)), crouch=np.zeros(steps),
         reach=np.zeros((steps, 2)), reach_side=np.zeros((steps, 2)), speed=np.zeros(steps),
-        turn=np.full(steps, 0.1), phase=np.arange(steps) * DT * 0.8, cadence=np.full(steps, 0.8),
-        lift=np.full(steps, 0.5),
+        turn=np.full(steps, 0.1), phase=0.8 * np.linspace(0.0, 5.0 - DT, steps),
+        cadence=np.full(steps, 0.8), lift=np.full(steps, 0.5),
     )  # fmt: skip
     person = Person.sample(np.random.default_rng(11), sensor="webcam")
     clip = perform(track, person, 5)
@@ -129,13 +131,14 @@ def test_feet_stay_where_they_are_but_for_marching(seed, family):
     person = person_of(seed, family)
     feet = [INDEX[name] for name in ("l_ankle", "l_toe", "r_ankle", "r_toe")]
     toes = [INDEX[name] for name in ("l_toe", "r_toe")]
-    for fields in (
+    poses: tuple[dict[str, Any], ...] = (
         {},
         {"tilt": np.radians([30.0, 30.0, 35.0])},
         {"tilt": np.radians([0.0, 40.0, 0.0])},
         {"tilt": np.radians([-10.0, -20.0, -40.0])},
         {"crouch": 1.0, "reach": np.array([0.7, 0.0])},
-    ):
+    )
+    for fields in poses:
         pos = show(person, **fields)
         assert np.ptp(pos[:, feet], axis=0).max() < 1e-3, fields
     pos = show(person, state="sit", tilt=np.radians([8.0, 12.0, 5.0]))
@@ -312,6 +315,41 @@ def test_idle_arms_are_marked_and_still_people_have_none():
     assert still.idle.max() == 0.0
     wrist = joint(still.true_pos_w, "r_wrist")
     assert np.ptp(wrist[:, 2]) < 0.4 < np.ptp(joint(busy.true_pos_w, "r_wrist")[:, 2])
+
+
+def test_squats_are_labelled_by_the_knees_and_marches_by_the_intent():
+    rng = np.random.default_rng(2)
+    shares = []
+    for seed in range(4):
+        signal, person = squats(rng, 20.0), person_of(seed)
+        pos = play(signal, person, seed, "squats").true_pos_w
+        state = labels(pos, signal)
+        assert set(state) == {"stand", "sit", ""}
+        knees = np.stack([knee_angle(pos, side) for side in "lr"])
+        assert knees[:, state == "sit"].min() > 90.0
+        assert knees[:, state == "stand"].max() < 70.0
+        shares.append((state == "").mean())
+    assert np.mean(shares) < 0.4
+    marching = signal_of(4.0, state="walk", cadence=0.8, lift=0.5)
+    assert set(labels(play(marching, person_of(0), 0, "x").true_pos_w, marching)) == {"walk"}
+
+
+def test_exercises_move_faster_than_the_library_and_only_stand():
+    speed = {}
+    for name in ("exercise", "slow"):
+        rng, moves = np.random.default_rng(0), []
+        for seed in range(4):
+            track = exercise(rng, 20.0)
+            if name == "slow":
+                track = replace(track, **{k: 0.3 * getattr(track, k) for k in ("tilt", "reach")})
+            assert track.state == "stand"
+            assert np.count_nonzero(track.reach.max(axis=0)) <= 2
+            assert not (track.reach > 0).all(axis=1).any()
+            pos = play(sig.of_track(track), person_of(seed), seed, name).true_pos_w
+            moves.append(np.abs(np.diff(trunk_tilt(pos), axis=0)).mean() / DT)
+        speed[name] = np.mean(moves)
+    assert speed["exercise"] > 2.0 * speed["slow"]
+    assert speed["exercise"] > 12.0  # degrees a second, on the mean over axes and rests
 
 
 def test_the_families_move_differently():

@@ -39,7 +39,14 @@ class Fir:
         if self._zi is None:
             # State of a direct form II transposed FIR after a constant input x0.
             tail = np.cumsum(self._b[::-1])[::-1][1:]
-            self._zi = tail.reshape(-1, *([1] * (x.ndim - 1))) * x[:1]
+            column = (-1, *([1] * (x.ndim - 1)))
+            self._zi, self._taps = tail.reshape(column) * x[:1], self._b[1:].reshape(column)
+        if len(x) == 1:  # live: the same recurrence, without lfilter's hundred microseconds
+            z = self._zi
+            y = z[:1] + self._b[0] * x
+            z[:-1] = z[1:] + self._taps[:-1] * x
+            z[-1:] = self._taps[-1] * x
+            return y
         y, self._zi = lfilter(self._b, 1.0, x, axis=0, zi=self._zi)
         return y
 
@@ -73,7 +80,7 @@ class Drift:
         self._rng, self._shape = rng, shape
         a = float(np.exp(-dt / tau))
         b = 1.0 - a
-        self._filter = (np.array([b * b]), np.array([1.0, -2.0 * a, a * a]))
+        self._filter = ((b * b,), (1.0, -2.0 * a, a * a))
         # Stationary variance of the AR(2) with a double pole a, driven by b^2 white noise.
         self._gain = 1.0 / np.sqrt(b**4 * (1.0 + a**2) / (1.0 - a**2) ** 3)
         self._zi = np.zeros((2, *shape))
@@ -82,5 +89,11 @@ class Drift:
     def __call__(self, steps: int) -> Array:
         """(steps, *shape), the next rows of the process."""
         white = self._rng.standard_normal((steps, *self._shape))
+        if steps == 1:
+            (b,), (_, a1, a2) = self._filter
+            z = self._zi
+            y = z[:1] + b * white
+            z[0], z[1] = z[1] - a1 * y[0], -a2 * y[0]
+            return self._gain * y
         y, self._zi = lfilter(*self._filter, white, axis=0, zi=self._zi)
         return self._gain * y

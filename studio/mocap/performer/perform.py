@@ -103,7 +103,10 @@ def play(signal: Array, person: Person, rng: np.random.Generator | int, name: st
     """A whole signal (T, NUM) at 30 Hz, performed."""
     seen, confidence, true, idle = Performer(person, rng).advance(signal)
     clip = HumanClip(
-        name=name, t=np.arange(len(signal)) * DT, joint_pos_w=seen, confidence=confidence
+        name=name,
+        t=np.arange(len(signal), dtype=np.float64) * DT,
+        joint_pos_w=seen,
+        confidence=confidence,
     )
     return Performance(clip=clip, true_pos_w=true, idle=idle, delay_s=person.delay_s)
 
