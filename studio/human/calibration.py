@@ -13,26 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.human.pose import HumanPose
-from studio.human.skeleton import (
-    BONE_CHILD,
-    BONE_LENGTH,
-    BONE_PARENT,
-    BONES,
-    INDEX,
-    LEG_LENGTH,
-    MIRROR,
-)
+from studio.human.posture import SEEN, body_heading, bone_lengths, is_upright, wrapped
+from studio.human.skeleton import BONE_LENGTH, BONES, LEG_LENGTH, MIRROR
 
 Array = NDArray[np.float64]
 
-SEEN = 0.3
-"""A joint below this confidence is not used; what it moves is held."""
-
-_L_HIP, _R_HIP = INDEX["l_hip"], INDEX["r_hip"]
-_L_SHOULDER, _R_SHOULDER = INDEX["l_shoulder"], INDEX["r_shoulder"]
-_L_ANKLE, _R_ANKLE = INDEX["l_ankle"], INDEX["r_ankle"]
-_L_TOE, _R_TOE = INDEX["l_toe"], INDEX["r_toe"]
-_PELVIS, _CHEST = INDEX["pelvis"], INDEX["chest"]
 _LEG_BONES = np.array([BONES.index(b) for b in ("l_knee", "l_ankle", "r_knee", "r_ankle")])
 _MIRROR_BONES = np.array(MIRROR[1:]) - 1
 
@@ -76,35 +61,6 @@ class Calibration:
     def mirrored(self) -> "Calibration":
         """The calibration of the mirror image (`canonical.mirror_pose`) of the same person."""
         return replace(self, heading=-self.heading, bone_length=self.bone_length[_MIRROR_BONES])
-
-
-def body_heading(joint_pos_w: Array, confidence: Array) -> tuple[float, float]:
-    """Heading (rad) of the lower body and its weight (m; 0 when it cannot be told).
-
-    Both feet, the line of the hips, and a little of the shoulders, so that noise on one short
-    line matters less. In real twists of the trunk the shoulders turned 100 degrees, the hips 60,
-    the feet 15: what turns least weighs most.
-    """
-    # Plain floats: a handful of numbers is quicker so than as arrays.
-    p, c = joint_pos_w.tolist(), confidence.tolist()
-    fx = fy = 0.0
-    for left, right, share in ((_L_HIP, _R_HIP, 1.0), (_L_SHOULDER, _R_SHOULDER, 0.25)):
-        if c[left] >= SEEN and c[right] >= SEEN:
-            fx += share * (p[left][1] - p[right][1])
-            fy -= share * (p[left][0] - p[right][0])
-    for toe, ankle in ((_L_TOE, _L_ANKLE), (_R_TOE, _R_ANKLE)):
-        if c[toe] >= SEEN and c[ankle] >= SEEN:
-            fx += p[toe][0] - p[ankle][0]
-            fy += p[toe][1] - p[ankle][1]
-    return math.atan2(fy, fx), math.hypot(fx, fy)
-
-
-def bone_lengths(joint_pos_w: Array, confidence: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Lengths (..., 18) m of the bones of poses (..., 19, 3), and which were seen (..., 18)."""
-    bones = joint_pos_w[..., BONE_CHILD, :] - joint_pos_w[..., BONE_PARENT, :]
-    length = np.sqrt(np.einsum("...i,...i->...", bones, bones))
-    sure = np.minimum(confidence[..., BONE_CHILD], confidence[..., BONE_PARENT]) >= SEEN
-    return length, sure & (length > 1e-3)
 
 
 def calibrate(poses: Iterable[HumanPose]) -> Calibration:
@@ -210,19 +166,19 @@ class Calibrator:
 
     def _turn(self, angle: float, pose: HumanPose) -> None:
         if self._glide_to is not None:
-            error = _wrapped(self._glide_to - self._heading)
-            self._heading = _wrapped(self._heading + error * self._dt / 0.12)
+            error = wrapped(self._glide_to - self._heading)
+            self._heading = wrapped(self._heading + error * self._dt / 0.12)
             if abs(error) < 1e-3:
                 self._glide_to = None
             return
-        error = _wrapped(angle - self._heading)
+        error = wrapped(angle - self._heading)
         self._turning = abs(error) > (_FACED if self._turning else _TURNED)
         tau = self._tau()
         if self._turning:
             tau = min(tau, _TURNED_TAU)
         elif self._is_quiet(pose):
             tau = min(tau, _QUIET_TAU)
-        self._heading = _wrapped(self._heading + error * self._dt / tau)
+        self._heading = wrapped(self._heading + error * self._dt / tau)
 
     def _tau(self) -> float:
         return min(max(self._seconds, _START_TAU), _DRIFT_TAU)
@@ -239,38 +195,3 @@ class Calibrator:
         moving = (distance > _QUIET_DISTANCE) & (pose.confidence >= SEEN)
         self._still = 0.0 if moving.any() else self._still + self._dt
         return self._still > _QUIET_SECONDS and is_upright(pose)
-
-
-def is_upright(pose: HumanPose) -> bool:
-    """Trunk within 12 degrees of vertical, both legs straight under it, shoulders over the feet.
-
-    Straight: the hip is above the ankle by at least 95 % of the leg's length. Shoulders and hips
-    face within 15 degrees of each other and, where the feet are seen, within 25 of them.
-    """
-    p = pose.joint_pos_w
-    if pose.confidence[[_L_HIP, _R_HIP, _L_SHOULDER, _R_SHOULDER]].min() < SEEN:
-        return False
-    trunk = p[_CHEST] - p[_PELVIS]
-    if trunk[2] < math.cos(math.radians(12.0)) * math.hypot(*trunk):
-        return False
-    length, seen = bone_lengths(p, pose.confidence)
-    if not seen[_LEG_BONES].all():
-        return False
-    l_thigh, l_shin, r_thigh, r_shin = length[_LEG_BONES]
-    if p[_L_HIP, 2] - p[_L_ANKLE, 2] < 0.95 * (l_thigh + l_shin):
-        return False
-    if p[_R_HIP, 2] - p[_R_ANKLE, 2] < 0.95 * (r_thigh + r_shin):
-        return False
-    hips, shoulders = p[_L_HIP] - p[_R_HIP], p[_L_SHOULDER] - p[_R_SHOULDER]
-    facing = math.atan2(-hips[0], hips[1])
-    twist = math.atan2(-shoulders[0], shoulders[1]) - facing
-    if abs(_wrapped(twist)) > math.radians(15.0):
-        return False
-    if pose.confidence[[_L_TOE, _R_TOE]].min() < SEEN:
-        return True
-    feet = p[_L_TOE] - p[_L_ANKLE] + p[_R_TOE] - p[_R_ANKLE]
-    return abs(_wrapped(math.atan2(feet[1], feet[0]) - facing)) < math.radians(25.0)
-
-
-def _wrapped(angle: float) -> float:
-    return (angle + math.pi) % (2.0 * math.pi) - math.pi

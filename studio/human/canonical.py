@@ -9,8 +9,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.human.calibration import SEEN, Calibration
+from studio.human.calibration import Calibration
 from studio.human.pose import HumanPose
+from studio.human.posture import SEEN
 from studio.human.skeleton import (
     ANKLE_HEIGHT,
     BONE_CHILD,

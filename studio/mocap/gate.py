@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
-from studio.human.calibration import SEEN
 from studio.human.pose import HumanPose
+from studio.human.posture import SEEN
 from studio.human.sources import SKELETONS, SourceSkeleton
 
 Array = NDArray[np.float64]

@@ -7,15 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio.human.calibration import (
-    Calibration,
-    Calibrator,
-    body_heading,
-    calibrate,
-    is_upright,
-)
+from studio.human.calibration import Calibration, Calibrator, calibrate
 from studio.human.canonical import canonical_pose, heading_axes, mirror_pose, pelvis_height
 from studio.human.pose import HumanPose
+from studio.human.posture import body_heading, is_upright
 from studio.human.skeleton import (
     BONE_CHILD,
     BONE_LENGTH,
