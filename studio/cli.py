@@ -8,7 +8,8 @@ import logging
 import os
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -94,15 +95,19 @@ class Evaluate:
     """Make one of the tables: `a1-studio evaluate NAME`."""
 
     name: tyro.conf.Positional[str]
-    """Which table; `a1-studio evaluate list` lists them."""
+    """Which table; an unknown name lists those that can be made."""
     episodes: int | None = None
     """Episodes a row (default: the table's own)."""
     seed: int = 0
     """Everything drawn follows from it."""
     clips: Path | None = None
     """Folder of real motion clips (people)."""
-    options: dict[str, str] = field(default_factory=dict)
-    """Further settings of a table, as KEY VALUE pairs."""
+    style: Style | None = None
+    """Which human motion means walking (default: the table's own)."""
+    controller: ControllerName | None = None
+    """What turns the reference into an action (default: the table's own)."""
+    threads: int | None = None
+    """Cores to use (default: the table's own)."""
 
 
 # One function a command: argv (without the command's name) -> the object for --json, or None.
@@ -135,9 +140,7 @@ def _evaluate(argv: Sequence[str]) -> Answer:
     args = tyro.cli(Evaluate, prog="a1-studio evaluate", args=argv)
     from studio.evaluation.registry import run_evaluation
 
-    return run_evaluation(
-        args.name, episodes=args.episodes, seed=args.seed, clips=args.clips, **args.options
-    )
+    return run_evaluation(**vars(args))
 
 
 def _train(argv: Sequence[str]) -> Answer:
@@ -159,10 +162,30 @@ def _train_policy(argv: Sequence[str]) -> Answer:
     return run_train_policy(tyro.cli(PolicyTraining, prog="a1-studio train policy", args=argv))
 
 
-def _takes(argv: Sequence[str]) -> Any:
-    from studio.recording.commands import run_takes
+def _takes(argv: Sequence[str]) -> Answer:
+    """`takes WHAT [NAME …]`: the functions of recording.commands, their parameters as options."""
+    from studio.recording import commands
 
-    return run_takes(argv)
+    known = {
+        name.removesuffix("s").removesuffix("_take"): function
+        for name, function in vars(commands).items()
+        if name.endswith(("_take", "_takes")) and callable(function)
+    }
+    argv, sessions = _take_option(list(argv), "--sessions")
+    if not argv or argv[0] not in known:
+        text = f"usage: a1-studio takes {'|'.join(known)} [NAME] [OPTIONS] [--sessions DIR]"
+        _usage(text, 0 if argv[:1] in (["-h"], ["--help"]) else 2)
+    what, rest = argv[0], argv[1:]
+    if what == "verify" and rest and not rest[0].startswith("-"):
+        rest = ["--name", *rest]
+    answer = tyro.cli(
+        partial(known[what], Path(sessions or "sessions")),
+        prog=f"a1-studio takes {what}",
+        args=rest,
+        config=(tyro.conf.PositionalRequiredArgs,),
+    )
+    lost = [take["name"] for take in answer.get("takes", ()) if take.get("readable") is False]
+    return {**answer, "_failed": f"cannot be read: {', '.join(lost)}"} if lost else answer
 
 
 COMMANDS: dict[str, tuple[Callable[[Sequence[str]], Any], str]] = {
@@ -188,19 +211,22 @@ def main(argv: Sequence[str] | None = None) -> None:
         raise SystemExit(0)
     if argv[0] not in COMMANDS:
         _usage(f"unknown command {argv[0]!r}\n\n{_overview()}", 2)
-    argv, destination = _take_json(argv)
+    argv, destination = _take_option(argv, "--json")
     try:
         answer = COMMANDS[argv[0]][0](argv[1:])
-        status = answer.pop("_status", 0) if isinstance(answer, dict) else 0
+        failed = (answer or {}).pop("_failed", "")
         _give(answer, destination)
+        if failed:
+            raise StudioError(failed)
     except StudioError as error:
-        _fail(str(error))
+        print(" ".join(str(error).split()), file=sys.stderr)
+        raise SystemExit(1) from None
     except BrokenPipeError:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise SystemExit(1) from None
     except KeyboardInterrupt:
         raise SystemExit(130) from None
-    raise SystemExit(status)
+    raise SystemExit(0)
 
 
 def _overview() -> str:
@@ -224,20 +250,15 @@ def _usage(text: str, status: int) -> None:
     raise SystemExit(status)
 
 
-def _fail(why: str) -> None:
-    print(" ".join(why.split()), file=sys.stderr)
-    raise SystemExit(1)
-
-
-def _take_json(argv: list[str]) -> tuple[list[str], str | None]:
-    """The arguments without `--json FILE`, and FILE: every command writes its object so."""
+def _take_option(argv: list[str], option: str) -> tuple[list[str], str | None]:
+    """The arguments without `option VALUE`, and VALUE: --json works the same everywhere."""
     for i, arg in enumerate(argv):
-        if arg == "--json":
+        if arg == option:
             if i + 1 == len(argv):
-                _usage("--json needs a FILE, or - for standard output", 2)
+                _usage(f"{option} needs a value", 2)
             return argv[:i] + argv[i + 2 :], argv[i + 1]
-        if arg.startswith("--json="):
-            return argv[:i] + argv[i + 1 :], arg.removeprefix("--json=")
+        if arg.startswith(f"{option}="):
+            return argv[:i] + argv[i + 1 :], arg.partition("=")[2]
     return argv, None
 
 

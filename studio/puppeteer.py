@@ -113,6 +113,7 @@ class Puppeteer:
         self._timings: dict[str, float] = {}
         fresh = self._see(human)
         with self._section("retarget"):
+            self._go_on_from_where_it_is()
             mapped = self.retargeter.step(self._human if self._age <= REUSE else None, CONTROL_DT)
         self._place_at_first_vote(mapped, orders)
         with self._section("controller"):
@@ -127,7 +128,8 @@ class Puppeteer:
         with self._section("physics"):
             self._damp(orders.damping)
             self.robot, self._target = self.world.step(target), target
-        self._count(fresh, mapped)
+        clipped = mapped.clipped and self.controller.following
+        self._count(fresh, clipped)
         self.fallen = self.fallen or (not orders.damping and fell(control.reference, self.robot))
         return Tick(
             index=self._index - 1,
@@ -144,7 +146,7 @@ class Puppeteer:
             action=action,
             target=target,
             robot=self.robot,
-            clipped=mapped.clipped,
+            clipped=clipped,
             fallen=self.fallen,
             why=orders.why or why_still(mapped, self.lock, self._age),
             timings_ms=self._timed(mapped),
@@ -262,6 +264,12 @@ class Puppeteer:
         self._human, self._age, self._t = human, 0.0, human.t
         return True
 
+    def _go_on_from_where_it_is(self) -> None:
+        """After a transition, a hold or a rest the person's motion goes on from there."""
+        controller = self.controller
+        if self._placed and not controller.following:
+            self.retargeter.continue_from(controller.reference, controller.facing)
+
     def _place_at_first_vote(self, mapped: Retargeted, orders: Orders) -> None:
         """The robot starts in the first voted state, unless it has been standing by already."""
         if self._placed:
@@ -278,9 +286,9 @@ class Puppeteer:
         if on != self.world.damping:
             self.world.set_damping(on)
 
-    def _count(self, fresh: bool, mapped: Retargeted) -> None:
+    def _count(self, fresh: bool, clipped: bool) -> None:
         self._index += 1
-        self.counters["clipped"] += mapped.clipped
+        self.counters["clipped"] += clipped
         self.counters["stale"] += bool(not fresh and STALE < self._age < np.inf)
 
     @contextmanager

@@ -1,6 +1,6 @@
 """The state machine stand | walk | sit | transition: which reference is tracked, by which expert.
 
-In a state the retargeted reference passes through, moved to where the robot's own reference is.
+In a state the retargeted reference passes through, eased into.
 Between states a planned way (transition.plan) is tracked and the person is ignored; the selector
 keeps voting and its latest decision counts when the way ends. A directive from safety may hold
 the robot, send it to stand or to rest, and is never refused.
@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from studio import spatial
 from studio.imitation import transition
-from studio.imitation.transition import Path, feet_w, fit_plane, minimum_jerk, with_velocity
+from studio.imitation.transition import Path, feet_w, minimum_jerk, with_velocity
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1, kinematics
@@ -100,6 +100,16 @@ class Controller:
         self._settling = 0
 
     @property
+    def following(self) -> bool:
+        """The reference is the person's. While it is not, theirs must go on from ours."""
+        return self._following
+
+    @property
+    def facing(self) -> float:
+        """The way (rad) the feet face."""
+        return transition.facing(self._last, self.state)
+
+    @property
     def in_transition(self) -> bool:
         """On the way from one state to another."""
         return self._path is not None and self._crossing
@@ -129,8 +139,8 @@ class Controller:
     ) -> Control:
         """The reference to track in this control period.
 
-        wanted: the state asked for. reference: the retargeted one of that state's expert; its
-        place in the plane does not matter. None: there is none, the robot rests in that state.
+        wanted: the state asked for. reference: the retargeted one of that state's expert, going
+        on from ours (see `following`). None: there is none, the robot rests in that state.
         ramp: s in which to ease into following, if it begins now.
         """
         wanted = self._wanted(wanted, directive)
@@ -171,7 +181,7 @@ class Controller:
             if not self._following:
                 self._following, self._rested = True, False
                 self._ease_t, self._ease = 0.0, self._ramp
-                self._held, self._offset = self._last, None
+                self._held = self._last
             return
         moving = self._following
         self._following = False
@@ -223,10 +233,8 @@ class Controller:
         self._path, self._rested, self._crossing = None, True, False
 
     def _follow(self, reference: ReferencePose) -> RobotPose:
-        """The person's reference, moved to where ours is, and eased into."""
-        if self._offset is None:
-            self._offset = Planar(*_align(reference, self._last, self.state))
-        target = self._offset.move(reference)
+        """The person's reference, eased into."""
+        target = _plain(reference)
         self._ease_t += a1.CONTROL_DT
         if self._ease_t >= self._ease:
             eased = target
@@ -299,36 +307,6 @@ def _plain(pose: RobotPose) -> RobotPose:
         joint_pos=pose.joint_pos,
         foot_contact=pose.foot_contact,
     )
-
-
-def _align(reference: RobotPose, last: RobotPose, state: StateName) -> tuple[Array, float]:
-    """The planar move (2,), turn that lays the reference's standing feet on ours."""
-    if state == "sit":
-        legs = np.array([2, 3])
-    else:
-        legs = np.flatnonzero(reference.foot_contact > 0.5)
-        if len(legs) < 2:
-            legs = np.arange(4)
-    return fit_plane(feet_w(reference)[legs, :2], feet_w(last)[legs, :2])
-
-
-class Planar:
-    """A move in the plane, kept in the form that one pose a period needs."""
-
-    def __init__(self, position: Array, yaw: float) -> None:
-        self._position = np.array([position[0], position[1], 0.0])
-        c, s = np.cos(yaw), np.sin(yaw)
-        self._turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        self._quat = spatial.quat_from_rpy([0.0, 0.0, yaw])
-
-    def move(self, pose: RobotPose) -> RobotPose:
-        """The pose turned about the world's z axis, then moved."""
-        return RobotPose(
-            base_pos=self._turn @ pose.base_pos + self._position,
-            base_quat=spatial.quat_mul(self._quat, pose.base_quat),
-            joint_pos=pose.joint_pos,
-            foot_contact=pose.foot_contact,
-        )
 
 
 def _between(held: RobotPose, target: RobotPose, w: float) -> RobotPose:

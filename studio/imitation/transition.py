@@ -190,6 +190,15 @@ def settle(start: RobotPose, state: StateName) -> Path:
     return _path("sit", start, [(sat, ("swing", "swing", "plant", "plant"), 0.4)], SETTLE_SECONDS)
 
 
+def facing(pose: RobotPose, state: StateName) -> float:
+    """The way (rad) the feet of a pose face, whatever the trunk on them does."""
+    if state == "sit":
+        return _rear_yaw(pose)
+    legs = np.flatnonzero(pose.foot_contact > 0.5)
+    legs = legs if len(legs) > 2 else np.arange(4)
+    return fit_plane(feet_w(NEUTRAL[state])[legs, :2], feet_w(pose)[legs, :2])[1]
+
+
 def _rear_yaw(pose: RobotPose) -> float:
     """Heading by the line of the rear feet: a sitting trunk is too steep to tell."""
     across = feet_w(pose)[3] - feet_w(pose)[2]

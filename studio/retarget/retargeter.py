@@ -1,5 +1,6 @@
 """HumanPose -> features -> selector -> expert -> contact -> temporal -> ReferencePose."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,6 +13,7 @@ from studio import spatial
 from studio.human.calibration import Calibration, Calibrator
 from studio.human.features import FeatureExtractor, Features
 from studio.human.pose import HumanPose
+from studio.reference import scalars
 from studio.reference.consistency import ContactLock, limit_speed, limit_turn
 from studio.reference.stances import NEUTRAL
 from studio.retarget.mapper import RATES, Mapped
@@ -169,6 +171,22 @@ class Retargeter:
         )
         self._lock.reset(pose.base_pos)
 
+    def continue_from(self, pose: RobotPose, yaw: float) -> None:
+        """Go on from `pose`, where a transition or a hold has left the robot, feet and all.
+
+        yaw: rad, the way its feet face there.
+        """
+        self._first = False
+        self._yaw = yaw
+        self._last = ReferencePose(
+            base_pos=pose.base_pos,
+            base_quat=pose.base_quat,
+            joint_pos=pose.joint_pos,
+            foot_contact=pose.foot_contact,
+        )
+        self._lock.reset(pose.base_pos)
+        self._lock.step(pose.joint_pos, pose.base_quat, pose.foot_contact, a1.CONTROL_DT)
+
     def _toward_neutral(self, mapped: Mapped, lost: bool, dt: float) -> Mapped:
         """The mapped frame, blended to the state's neutral pose while the person is lost."""
         self._ease = float(np.clip(self._ease + (-dt if lost else dt) / EASE, 0.0, 1.0))
@@ -186,35 +204,32 @@ class Retargeter:
     def _consistent(self, mapped: Mapped, dt: float) -> tuple[ReferencePose, bool]:
         """Contact, then temporal consistency; the root carried by the standing feet."""
         spec, rates = EXPERTS[self._active], mapped.rates  # type: ignore[index]
-        quat_s = shape_tilt(mapped.base_quat, NEUTRAL[self._active].base_quat, self.settings)  # type: ignore[index]
-        joint_pos = mapped.joint_pos
-        lin_vel = rates[RATES["base_lin_vel"]]
+        neutral = NEUTRAL[self._active].base_quat  # type: ignore[index]
+        quat_s = shape_tilt(mapped.base_quat, neutral, self.settings).tolist()
+        joint_pos, contact = mapped.joint_pos, mapped.contact_prob
+        vx, vy, _ = rates[RATES["base_lin_vel"]].tolist()
         if spec.turns:
-            turn = spatial.quat_rotate(quat_s, rates[RATES["base_ang_vel"]])[2]
-            self._yaw += float(turn) * dt
-            joint_pos = cap_stride(joint_pos, float(np.hypot(*lin_vel[:2])), self.settings)
-        half = 0.5 * self._yaw
-        yaw = np.array([np.cos(half), 0.0, 0.0, np.sin(half)])
+            body = rates[RATES["base_ang_vel"]]
+            self._yaw += float(scalars.matrix(quat_s)[2] @ body) * dt
+            joint_pos = cap_stride(joint_pos, math.hypot(vx, vy), self.settings)
+        c, s = math.cos(self._yaw), math.sin(self._yaw)
+        drift = np.array([c * vx - s * vy, s * vx + c * vy, 0.0])
+        wanted = np.array(scalars.mul(scalars.yaw(self._yaw), quat_s))
         last, lock = self._last, self._lock
-        quat, turned = limit_turn(
-            spatial.quat_mul(yaw, quat_s), last.base_quat, spec.speed_limit, dt
-        )
-        drift = spatial.quat_rotate(yaw, lin_vel)
-        asked = lock.step(joint_pos, quat, mapped.contact_prob, dt, drift)
+        quat, turned = limit_turn(wanted, last.base_quat, spec.trunk_speed, dt)
+        asked = lock.step(joint_pos, quat, contact, dt, drift, spec.root_speed)
         joint_pos, clipped = limit_speed(asked, last.joint_pos, spec.speed_limit, dt)
         if clipped:
             lock.recheck(joint_pos, quat)
-        base_pos = lock.base_pos.copy()
+        base_pos = lock.base_pos
+        spun = scalars.rotvec(scalars.mul(scalars.conj(last.base_quat.tolist()), quat.tolist()))
         self._last = ReferencePose(
             base_pos=base_pos,
             base_quat=quat,
             joint_pos=joint_pos,
-            foot_contact=np.where(lock.locked, np.maximum(mapped.contact_prob, 0.5), 0.0),
+            foot_contact=np.where(lock.locked, np.maximum(contact, 0.5), np.minimum(contact, 0.5)),
             base_lin_vel_w=(base_pos - last.base_pos) / dt,
-            base_ang_vel_b=spatial.quat_to_rotvec(
-                spatial.quat_mul(spatial.quat_conj(last.base_quat), quat)
-            )
-            / dt,
+            base_ang_vel_b=np.array(spun) / dt,
             joint_vel=(joint_pos - last.joint_pos) / dt,
         )
         return self._last, clipped or turned

@@ -1,0 +1,381 @@
+"""The live loop on a fake clock, with the real flow: modes, commands, safety, hostile frames."""
+
+import threading
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studio.human.pose import HumanPose
+from studio.live import commands as c
+from studio.live.clock import FakeClock, WallClock
+from studio.live.loop import LiveLoop
+from studio.live.session import OpenedSource, Session, SessionConfig, open_for
+from studio.mocap import SourceEnded
+from studio.mocap.operator import OperatorSource
+from studio.robot import a1
+
+DT = 1.0 / 30.0
+
+
+class Script:
+    """A source that a test writes: frame number -> what it gives."""
+
+    name = "script"
+    starts_live = True
+    duration = None
+    rejected = 0
+
+    def __init__(self, change=lambda k, pose: pose, seed=0, task="quiet"):
+        self._operator = OperatorSource(task, seed=seed)
+        self._change = change
+        self._k = -1
+
+    def read(self, t):
+        self._k += 1
+        pose = self._operator.read(t)
+        return self._change(self._k, pose)
+
+    def calibration_poses(self):
+        return self._operator.calibration_poses()
+
+    def close(self):
+        pass
+
+
+@pytest.fixture
+def make(tmp_path):
+    """A loop on a fake clock that follows a given source."""
+
+    def build(source=None, spec="operator") -> LiveLoop:
+        config = SessionConfig(source=spec, sessions=tmp_path / "sessions")
+        opened = open_for(config, spec)
+        if source is not None:
+            opened = OpenedSource(source=source, calibration=opened.calibration)
+        return LiveLoop(clock=FakeClock(), session=Session(config, opened))
+
+    return build
+
+
+def run(loop, seconds):
+    """Ticks over `seconds` of the fake clock."""
+    ticks = []
+    for _ in range(round(seconds / DT)):
+        loop.tick()
+        ticks.append(loop.ticks.get())
+        loop.wait()
+    return ticks
+
+
+def ask(loop, command):
+    """Submit from another thread while this one turns the loop, as the gateway does."""
+    answers = []
+    asker = threading.Thread(target=lambda: answers.append(loop.submit(command, timeout=20.0)))
+    asker.start()
+    while asker.is_alive():
+        run(loop, DT)
+        asker.join(0.002)
+    return answers[0]
+
+
+def within_limits(ticks):
+    targets = np.array([tick.target for tick in ticks])
+    assert np.isfinite(targets).all()
+    assert (targets >= a1.JOINT_LOWER).all()
+    assert (targets <= a1.JOINT_UPPER).all()
+    return True
+
+
+def test_an_operator_starts_live_and_armed_and_the_robot_follows(make):
+    loop = make()
+    ticks = run(loop, 2.0)
+    state = loop.state_dict()
+    assert (state["mode"], state["armed"], state["stopped"]) == ("live", True, False)
+    assert state["counters"]["frames"] == 60
+    assert state["counters"]["late"] == 0
+    assert [tick.index for tick in ticks] == list(range(60))
+    assert within_limits(ticks)
+
+
+def test_the_state_has_every_key_the_contract_names(make):
+    loop = make()
+    run(loop, 0.1)
+    state = loop.state_dict()
+    keys = "mode state state_lock expert votes stopped armed why source scene latency_ms counters"
+    assert set(keys.split()) | {"robot"} <= set(state)
+    assert {"frames", "rejected", "stale", "clipped", "late"} <= set(state["counters"])
+    assert set(state["robot"]) >= {"base_pos", "base_quat", "joint_pos", "foot_contact"}
+
+
+def test_a_stream_starts_idle_until_armed_and_counts_frames_in_every_mode(make):
+    loop = make(spec="stream")
+    run(loop, 0.5)
+    assert loop.state_dict()["mode"] == "idle"
+    assert loop.state_dict()["why"].startswith("idle")
+    answer = ask(loop, c.Arm())
+    assert answer.ok
+    assert (answer.state["mode"], answer.state["armed"]) == ("live", True)
+
+
+def test_frames_are_counted_and_the_robot_rests_in_idle(make):
+    loop = make()
+    run(loop, 1.0)
+    assert ask(loop, c.SetMode(mode="idle")).state["mode"] == "idle"
+    before = loop.state_dict()["counters"]["frames"]
+    ticks = run(loop, 2.0)
+    assert loop.state_dict()["counters"]["frames"] == before + 60
+    moved = np.ptp([tick.reference.joint_pos for tick in ticks[-20:]], axis=0)
+    assert moved.max() < 1e-9
+    assert loop.state_dict()["why"].startswith("idle")
+
+
+def test_a_stop_latches_changes_neither_mode_nor_lock_and_damps(make):
+    loop = make()
+    run(loop, 1.0)
+    ask(loop, c.SetStateLock(state="stand"))
+    state = ask(loop, c.Stop()).state
+    assert (state["mode"], state["state_lock"]) == ("live", "stand")
+    assert (state["stopped"], state["armed"]) == (True, False)
+    run(loop, 1.5)
+    assert loop.state_dict()["robot"]["base_pos"][2] < 0.2  # it sinks to the floor, slowly
+    refused = ask(loop, c.Arm())
+    assert not refused.ok
+    assert "reset" in refused.why
+    up = ask(loop, c.Reset())
+    assert up.ok
+    assert up.state["stopped"]
+    run(loop, 3.0)
+    assert loop.state_dict()["stopped"]
+    assert loop.state_dict()["robot"]["base_pos"][2] == pytest.approx(0.26, abs=0.02)
+    armed = ask(loop, c.Arm()).state
+    assert (armed["stopped"], armed["armed"], armed["why"]) == (False, True, "")
+
+
+def test_a_command_is_answered_after_the_tick_that_applied_it_or_with_why(make):
+    loop = make()
+    run(loop, 0.2)
+    assert ask(loop, c.SetStateLock(state="sit")).state["state_lock"] == "sit"
+    for command, word in (
+        (c.SetStateLock(state="fly"), "unknown state"),
+        (c.SetMode(mode="party"), "unknown mode"),
+        (c.SetMode(mode="replay"), "nothing to replay"),
+        (c.SetSource(spec="telepathy"), "unknown source"),
+        (c.SetSource(spec="bvh:/nowhere.bvh"), "/nowhere.bvh"),
+        (c.SetGain(name="tilt_gain", value=99.0), "between"),
+        (c.SetGain(name="charm", value=1.0), "unknown gain"),
+        (c.SetController(name="magic"), "unknown controller"),
+        (c.StopTake(), "recorded"),
+        (c.Seek(t=1.0), "replay"),
+    ):
+        answer = ask(loop, command)
+        assert not answer.ok
+        assert word in answer.why
+        assert answer.state["mode"] == "live"
+
+
+def test_a_locked_state_is_kept_whatever_the_person_does(make):
+    loop = make(Script(task="walk"))
+    run(loop, 0.2)
+    ask(loop, c.SetStateLock(state="sit"))
+    ticks = run(loop, 6.0)
+    assert ticks[-1].state == "sit"
+    assert ticks[-1].why.startswith("locked")
+
+
+def test_a_new_source_is_followed_from_its_start_without_a_jump(make):
+    loop = make()
+    before = run(loop, 1.0)[-1]
+    answer = ask(loop, c.SetSource(spec="operator:crouch"))
+    assert answer.ok, answer.why
+    assert answer.state["source"] == "operator:crouch"
+    after = run(loop, 1.0)
+    joints = np.array([before.reference.joint_pos, *(t.reference.joint_pos for t in after[2:])])
+    assert np.degrees(np.abs(np.diff(joints[1:], axis=0)).max() * 30.0) < 121.0
+
+
+def test_frames_that_stop_coming_are_reused_then_held_then_the_robot_stands(make):
+    loop = make(Script(lambda k, pose: pose if k < 150 else None, task="walk"))
+    ticks = run(loop, 9.0)
+    assert ticks[149].state == "walk"
+    assert ticks[151].why == ""  # 67 ms: the last pose is used again
+    assert ticks[149 + 10].why.startswith("stale")
+    at_half_a_second = ticks[149 + 16]
+    assert at_half_a_second.transition_to == "stand"
+    assert ticks[-1].state == "stand"
+    assert loop.state_dict()["counters"]["stale"] > 100
+    assert not any(tick.fallen for tick in ticks)
+
+
+def test_the_robot_stands_when_the_source_has_ended(make):
+    def ends(k, pose):
+        if k >= 60:
+            raise SourceEnded("script")
+        return pose
+
+    loop = make(Script(ends))
+    ticks = run(loop, 5.0)
+    assert ticks[-1].why.startswith("ended")
+    assert ticks[-1].state == "stand"
+    assert loop.state_dict()["mode"] == "live"
+
+
+def test_a_page_that_goes_away_makes_the_robot_stand_within_half_a_second(make):
+    loop = make(Script(task="walk"))
+    run(loop, 3.0)
+    ask(loop, c.TakeControl(page="page-1"))
+    for _ in range(30):
+        loop.beat("page-1")
+        run(loop, DT)
+    assert loop.state_dict()["why"] == ""
+    gone = run(loop, 0.5)
+    assert gone[-1].why.startswith("page lost")
+    assert gone[-1].transition_to == "stand"
+    assert run(loop, 3.0)[-1].state == "stand"
+
+
+def hostile(k, pose):
+    """One in three frames is something no person could be."""
+    if k < 30 or k % 3:
+        return pose
+    rng = np.random.default_rng(k)
+    joints = pose.joint_pos_w.copy()
+    kind = (k // 3) % 8
+    if kind == 0:
+        joints[rng.integers(19)] = np.nan
+    elif kind == 1:
+        joints[rng.integers(19), 0] = np.inf
+    elif kind == 2:
+        joints += 50.0
+    elif kind == 3:
+        joints *= 1000.0
+    elif kind == 4:
+        return replace(pose, t=pose.t - 1.0)
+    elif kind == 5:
+        return replace(pose, t=float("nan"))
+    elif kind == 6:
+        return "a string"
+    else:
+        broken = object.__new__(HumanPose)
+        object.__setattr__(broken, "t", pose.t)
+        object.__setattr__(broken, "joint_pos_w", np.zeros((4, 2)))
+        object.__setattr__(broken, "confidence", np.ones(19))
+        return broken
+    return replace(pose, joint_pos_w=joints)
+
+
+def test_hostile_poses_are_refused_and_counted_and_the_robot_goes_on(make):
+    loop = make(Script(hostile))
+    ticks = run(loop, 8.0)
+    counters = loop.state_dict()["counters"]
+    assert counters["frames"] == 240
+    assert counters["rejected"] == 70  # every third of the 210 frames after the first second
+    assert within_limits(ticks)
+    assert not any(tick.fallen for tick in ticks)
+    for tick in ticks:
+        assert np.isfinite(tick.reference.joint_pos).all()
+        assert np.isfinite(tick.robot.joint_pos).all()
+
+
+def test_hostile_frames_from_a_socket_are_refused_counted_and_close_nothing(make):
+    loop = make(spec="stream")
+    run(loop, 0.1)
+    bad = [
+        b"", "nonsense", "{}", '{"t": 0}', "[" * 5000, b"\xff\xfe", "x" * 1_000_000,
+        '{"t": 1, "skeleton": "studio", "positions": [[1,2,3]]}',
+        '{"t": NaN, "skeleton": "studio", "positions": []}', {"t": 1}, None, 3,
+    ]  # fmt: skip
+    for raw in bad:
+        with pytest.raises(Exception, match=r".+") as error:
+            loop.push_frame(raw)
+        assert "\n" not in str(error.value)
+    ticks = run(loop, 0.5)
+    assert loop.state_dict()["counters"]["rejected"] == len(bad)
+    assert within_limits(ticks)
+
+
+def test_a_source_that_raises_leaves_the_robot_standing_and_the_loop_alive(make):
+    def breaks(k, pose):
+        if k == 40:
+            raise RuntimeError("cable pulled")
+        return pose
+
+    loop = make(Script(breaks))
+    ticks = run(loop, 3.0)
+    assert len(ticks) == 90
+    assert ticks[-1].why.startswith("ended")
+
+
+def test_a_fault_in_the_flow_stops_the_robot_and_the_loop_lives_to_be_reset(make, monkeypatch):
+    loop = make()
+    run(loop, 0.5)
+    monkeypatch.setattr(loop.session.puppeteer.tracker, "act", lambda *_: np.full(12, np.nan))
+    run(loop, 0.2)
+    assert loop.state_dict()["stopped"]
+    assert "fault" in loop.state_dict()["why"]
+    monkeypatch.undo()
+    assert ask(loop, c.Reset()).ok
+    assert ask(loop, c.Arm()).ok
+    assert run(loop, 1.0)[-1].why == ""
+
+
+def test_a_late_period_is_counted_and_a_slow_computer_is_told(make):
+    loop = make()
+    run(loop, 0.5)
+    loop.clock.advance(0.05)
+    run(loop, 0.2)
+    assert loop.state_dict()["counters"]["late"] == 1
+    for _ in range(40):
+        loop.tick()
+        loop.clock.advance(0.05)
+        loop.wait()
+    assert loop.overrun
+    loop.tick()
+    assert loop.state_dict()["why"].startswith("overrun")
+
+
+def test_what_was_recorded_can_be_replayed_paused_and_left(make):
+    loop = make()
+    name = ask(loop, c.StartTake(label="wave")).data["name"]
+    live = run(loop, 1.0)
+    stopped = ask(loop, c.StopTake()).data
+    assert stopped["name"] == name
+    assert stopped["ticks"] >= 30
+    assert ask(loop, c.SetMode(mode="replay")).state["mode"] == "replay"
+    ask(loop, c.Seek(t=0.0, playing=True))
+    shown = run(loop, 0.5)
+    assert all(tick.mode == "replay" for tick in shown)
+    recorded = {round(float(tick.robot.joint_pos[2]), 9) for tick in live}
+    assert round(float(shown[5].robot.joint_pos[2]), 9) in recorded
+    ask(loop, c.Seek(playing=False))
+    paused = run(loop, 0.3)
+    assert len({tick.index for tick in paused}) == 1
+    assert paused[-1].why.startswith("replay")
+    assert ask(loop, c.SetMode(mode="live")).state["mode"] == "live"
+    loop.session.close()
+
+
+def test_a_full_queue_answers_at_once_and_still_lets_a_stop_through(make):
+    loop = make()
+    run(loop, 0.1)
+    while loop.post(c.SetMirror(mirror=False)):
+        pass
+    assert "try again" in loop.submit(c.SetMirror(mirror=True), timeout=0.1).why
+    assert loop.post(c.Stop())
+    run(loop, 0.1)
+    assert loop.state_dict()["stopped"]
+
+
+def test_the_thread_ticks_thirty_times_a_second_and_ends_in_good_order(tmp_path):
+    loop = LiveLoop(SessionConfig(sessions=tmp_path), clock=WallClock())
+    loop.start()
+    try:
+        version, tick = loop.ticks.wait(20, timeout=20.0)
+        assert version > 20
+        assert tick is not None
+        assert loop.submit(c.SetStateLock(state="stand")).ok
+    finally:
+        loop.stop()
+    assert loop.ticks.version < 400
+    after = loop.ticks.version
+    assert loop.submit(c.Arm(), timeout=0.2).ok is False
+    assert loop.ticks.version == after
