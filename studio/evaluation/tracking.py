@@ -9,7 +9,7 @@ import logging
 import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,22 +54,23 @@ def run_tracking(
     episodes: int = 1024,
     seed: int = 0,
     *,
-    states: Sequence[StateName] = STATES,
-    controllers: Sequence[str] = CONTROLLERS,
-    threads: int = 0,
+    states: Sequence[StateName] | str = STATES,
+    controllers: Sequence[str] | str = CONTROLLERS,
+    threads: int | str = 0,
     cache: Path | None = Path("runs/evaluate"),
     progress: bool = True,
 ) -> dict[str, Any]:
     """`{"rows": [...]}`, a row per state and controller, each figure with its 95 % `*_ci`.
 
     Rows of policies that are not trained are left out. Chunks of episodes are kept in `cache`: a
-    run that was cut off goes on where it stopped. StudioError for unknown names.
+    run that was cut off goes on where it stopped. From the command line states and controllers
+    are names with commas between. StudioError for unknown names.
     """
+    states = cast(Sequence[StateName], _names("state", states, STATES))
+    controllers = _names("controller", controllers, CONTROLLERS)
+    threads = int(threads)
     if episodes < 1:
         raise StudioError("evaluate tracking needs --episodes of at least 1")
-    for name in controllers:
-        if name not in CONTROLLERS:
-            raise unknown_name("controller", name, CONTROLLERS)
     jobs = [(s, c) for s in states for c in controllers if c != "policy" or _weights(s).exists()]
     rows = []
     with Progress(disable=not progress, transient=True) as bar:
@@ -83,6 +84,14 @@ def run_tracking(
             figures = {k: np.concatenate([p[k] for p in parts]) for k in parts[0]}
             rows.append(_row(state, controller, seed, figures))
     return {"rows": rows}
+
+
+def _names(kind: str, given: Sequence[str] | str, known: Sequence[str]) -> list[str]:
+    names = given.split(",") if isinstance(given, str) else list(given)
+    for name in names:
+        if name not in known:
+            raise unknown_name(kind, name, known)
+    return names
 
 
 def _row(state: str, controller: str, seed: int, figures: dict[str, Array]) -> dict[str, Any]:

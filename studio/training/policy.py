@@ -47,6 +47,7 @@ class PpoConfig:
     minibatch: int = 1536
     clip: float = 0.2
     learning_rate: float = 5e-4
+    max_learning_rate: float = 2e-3
     desired_kl: float | None = 0.015
     gamma: float = 0.95
     lam: float = 0.95
@@ -78,7 +79,7 @@ class PolicyTraining:
     run: folder of checkpoint, curve and TensorBoard files (default runs/policy-STATE). resume: go
     on from the run's checkpoint, or from `checkpoint`. out: where the weights go (default
     models/policy/STATE.safetensors when `publish`, always the run's folder). curriculum,
-    randomise, mirror, yaw_rate, action: what the ablations switch.
+    randomise, mirror, yaw_rate, action: what the ablations switch. gate, patience: see Curriculum.
     """
 
     state: StateName
@@ -97,6 +98,8 @@ class PolicyTraining:
     yaw_rate: bool = True
     action: ActionMode = "residual"
     motions_per_task: int = 40
+    gate: float = 0.75
+    patience: int = 800
     checkpoint_seconds: float = 60.0
     ppo: PpoConfig = field(default_factory=PpoConfig)
 
@@ -165,7 +168,7 @@ def make_environment(
     ladder = stages(bank.tasks)
     if not config.randomise:
         ladder = [s for s in ladder if s.randomisation == 0.0]
-    curriculum = Curriculum(ladder=ladder)
+    curriculum = Curriculum(ladder=ladder, gate=config.gate, patience=config.patience)
     if not config.curriculum:
         curriculum.finish()
     settings = EnvConfig(
@@ -311,6 +314,8 @@ class PolicyTrainer:
         self.obs, figures = collect(self.alg, self.env, self.obs, self.ppo.horizon)
         collected = time.perf_counter()
         losses = self.alg.update()
+        # The adaptive rate may run up where there is little to learn; the critic shares it.
+        self.alg.learning_rate = min(self.alg.learning_rate, self.ppo.max_learning_rate)
         spent = time.perf_counter() - began
         self.samples += self.env.num_envs * self.ppo.horizon
         self.seconds += spent
