@@ -26,7 +26,7 @@ class ActionConfig:
 
 def clip_action(action: Array) -> Array:
     """(…, 12) within ±ACTION_CLIP, as it enters history and target."""
-    return np.clip(action, -ACTION_CLIP, ACTION_CLIP)
+    return np.minimum(np.maximum(action, -ACTION_CLIP), ACTION_CLIP)
 
 
 def pd_target(
@@ -39,4 +39,5 @@ def pd_target(
         base = neutral_joint_pos
     else:
         raise unknown_name("action mode", config.mode, ("residual", "absolute"))
-    return np.clip(base + config.scale * action, a1.JOINT_LOWER, a1.JOINT_UPPER)
+    target = base + config.scale * action
+    return np.minimum(np.maximum(target, a1.JOINT_LOWER), a1.JOINT_UPPER)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from studio import spatial
 from studio.errors import StudioError
 from studio.imitation.curriculum import DIFFICULTIES, Stage
-from studio.imitation.observation import level_quat, levelled, reference_frame
+from studio.imitation.observation import heading_of, level_quat, reference_frame
 from studio.reference.intent import StateName
 from studio.reference.motion import ReferenceMotion, backward_difference
 from studio.robot import kinematics
@@ -107,7 +107,7 @@ def assemble(
     dt = motions[0].dt
     lin = np.stack([backward_difference(m.base_pos, dt) for m in motions])
     ang = np.stack([spatial.ang_vel_b(m.base_quat, dt) for m in motions])
-    yaw = spatial.heading(levelled(base_quat, level))
+    yaw = heading_of(base_quat, level)
     return MotionBank(
         state=state,
         tasks=tuple(tasks),

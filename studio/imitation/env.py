@@ -15,8 +15,8 @@ from studio.imitation.noise import NoiseConfig, ReferenceNoise
 from studio.imitation.observation import (
     History,
     ObservationConfig,
+    heading_of,
     level_quat,
-    levelled,
     sensor_frame,
 )
 from studio.imitation.reward import RewardConfig
@@ -191,7 +191,7 @@ class ImitationEnv:
     @property
     def yaw(self) -> Array:
         """(N,) rad heading of the levelled trunks."""
-        return spatial.heading(levelled(self.world.base_quat, self.level))
+        return heading_of(self.world.base_quat, self.level)
 
     def _reset(self, ids: NDArray[np.intp]) -> None:
         n, bank, rng = len(ids), self.bank, self.rng

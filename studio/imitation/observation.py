@@ -41,12 +41,43 @@ def levelled(base_quat: Array, level: Array) -> Array:
     return spatial.quat_mul(base_quat, spatial.quat_conj(level))
 
 
-def roll_pitch(quat: Array) -> Array:
-    """(N, 2) rad, roll and pitch of (N, 4) against the vertical of its own world."""
+def roll_pitch(quat: Array, level: Array = spatial.IDENTITY_QUAT) -> Array:
+    """(N, 2) rad, roll and pitch of the levelled trunk (N, 4) against its own world's vertical.
+
+    With u the world's z in the levelled frame: roll = atan2(u_y, u_z), pitch = −asin u_x.
+    """
     w, x, y, z = quat[..., 0], quat[..., 1], quat[..., 2], quat[..., 3]
-    roll = np.arctan2(2.0 * (w * x + y * z), 1.0 - 2.0 * (x * x + y * y))
-    pitch = np.arcsin(np.clip(2.0 * (w * y - z * x), -1.0, 1.0))
-    return np.stack([roll, pitch], axis=-1)
+    up_b = np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1)
+    up = up_b @ _matrix(level).T
+    out = np.empty(up.shape[:-1] + (2,))
+    out[..., 0] = np.arctan2(up[..., 1], up[..., 2])
+    out[..., 1] = np.arcsin(np.minimum(np.maximum(-up[..., 0], -1.0), 1.0))
+    return out
+
+
+def heading_of(quat: Array, level: Array) -> Array:
+    """(N,) rad heading of the levelled trunk, `spatial.heading(levelled(quat, level))`.
+
+    The levelled x axis, seen from the trunk, is the first row of R(level); turned into the world
+    and laid on the ground.
+    """
+    a, b, c = _matrix(level)[0].tolist()
+    w, x, y, z = quat[..., 0], quat[..., 1], quat[..., 2], quat[..., 3]
+    east = (1 - 2 * (y * y + z * z)) * a + 2 * (x * y - w * z) * b + 2 * (x * z + w * y) * c
+    north = 2 * (x * y + w * z) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z - w * x) * c
+    return np.arctan2(north, east)
+
+
+def _matrix(level: Array) -> Array:
+    """(3, 3) rotation matrix of one quaternion, in plain numbers: this runs every period."""
+    w, x, y, z = level.tolist()
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
 
 
 def sensor_frame(
@@ -58,8 +89,8 @@ def sensor_frame(
     (N, 3) rad/s, body. level: (4,) T_level_base of the state. The rates are those about the
     levelled trunk's x, y and z.
     """
-    tilt = roll_pitch(levelled(imu_quat, level))
-    rates = spatial.quat_rotate(np.broadcast_to(level, imu_quat.shape), gyro_b)
+    rates = gyro_b @ _matrix(level).T
+    tilt = roll_pitch(imu_quat, level)
     return np.concatenate([joint_pos, tilt, rates if yaw_rate else rates[..., :2]], axis=-1)
 
 
@@ -72,14 +103,21 @@ def reference_frame(
     level: Array,
 ) -> Array:
     """p̄_t (N, 18) of reference poses with leading axis N: nothing in it needs odometry."""
-    quat = levelled(base_quat, level)
-    yaw = spatial.heading(quat)
+    yaw = heading_of(base_quat, level)
     c, s = np.cos(yaw), np.sin(yaw)
     vx, vy = base_lin_vel_w[..., 0], base_lin_vel_w[..., 1]
-    rate_w = spatial.quat_rotate(base_quat, base_ang_vel_b)
-    extras = [base_height, *np.moveaxis(roll_pitch(quat), -1, 0), rate_w[..., 2]]
-    extras += [c * vx + s * vy, -s * vx + c * vy]
-    return np.concatenate([joint_pos, np.stack(extras, axis=-1)], axis=-1)
+    w, x, y, z = base_quat[..., 0], base_quat[..., 1], base_quat[..., 2], base_quat[..., 3]
+    rx, ry, rz = base_ang_vel_b[..., 0], base_ang_vel_b[..., 1], base_ang_vel_b[..., 2]
+    out = np.empty(joint_pos.shape[:-1] + (REFERENCE_DIM,))
+    out[..., :12] = joint_pos
+    out[..., 12] = base_height
+    out[..., 13:15] = roll_pitch(base_quat, level)
+    # The vertical part of R(q) ω is the turning seen from above.
+    out[..., 15] = 2 * (x * z - w * y) * rx + 2 * (y * z + w * x) * ry
+    out[..., 15] += (1 - 2 * (x * x + y * y)) * rz
+    out[..., 16] = c * vx + s * vy
+    out[..., 17] = -s * vx + c * vy
+    return out
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,11 +12,14 @@ from studio.imitation.action import ActionConfig, clip_action, pd_target
 from studio.imitation.observation import (
     History,
     ObservationConfig,
+    heading_of,
     level_quat,
+    levelled,
     reference_frame,
     roll_pitch,
     sensor_frame,
 )
+from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1
 
@@ -168,6 +171,23 @@ def test_tilt_error_ignores_heading() -> None:
     assert termination.tilt_error(a, b) == pytest.approx([0.0], abs=1e-9)
     level = termination.tilt_error(spatial.quat_from_rpy([[0.0, 0.5, 0.0]]), LEVEL[None])
     assert level == pytest.approx([0.5])
+
+
+@pytest.mark.parametrize("state", ["stand", "sit"])
+def test_levelled_heading_and_tilt_agree_with_spatial(state: StateName) -> None:
+    level = np.array(level_quat(state))
+    rpy = np.random.default_rng(0).uniform(-0.7, 0.7, (20, 3))
+    quat = spatial.quat_mul(spatial.quat_from_rpy(rpy), level)
+    assert heading_of(quat, level) == pytest.approx(rpy[:, 2])
+    assert heading_of(quat, level) == pytest.approx(spatial.heading(levelled(quat, level)))
+    assert roll_pitch(quat, level) == pytest.approx(rpy[:, :2])
+
+
+def test_reference_yaw_rate_is_the_vertical_part_of_the_turning() -> None:
+    quat = spatial.quat_from_rpy(np.random.default_rng(0).uniform(-1.0, 1.0, (5, 3)))
+    rate = np.random.default_rng(1).standard_normal((5, 3))
+    p = reference_frame(np.zeros((5, 12)), np.zeros(5), quat, np.zeros((5, 3)), rate, LEVEL)
+    assert p[:, 15] == pytest.approx(spatial.quat_rotate(quat, rate)[:, 2])
 
 
 def test_roll_pitch_agree_with_spatial() -> None:
