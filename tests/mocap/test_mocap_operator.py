@@ -229,7 +229,7 @@ def test_marching_lifts_each_foot_once_a_stride(cadence, family):
         # One foot always carries, and a foot that carries does not slide.
         ankles = np.stack([joint(pos, "l_ankle"), joint(pos, "r_ankle")], axis=1)
         high = ankles[..., 2] - ankles[0, :, 2]
-        assert high.min(axis=1).max() < 0.03
+        assert high.min(axis=1).max() < (0.03 if cadence < 1.0 else 0.15)  # a jog flies
         speed = np.linalg.norm(np.diff(ankles[..., :2], axis=0), axis=-1) / DT
         carried = np.maximum(high[1:], high[:-1]) < 0.002
         assert np.percentile(speed[carried], 99) < 0.15

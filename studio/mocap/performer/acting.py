@@ -90,13 +90,16 @@ def _leg_phase(phase: Array) -> Array:
 
 def _share(h: Habits, tempo: Array) -> Array:
     """(T, 1) share of the stride that a foot swings: slow marchers pause between steps."""
-    return np.clip(h.swing_s * tempo, 0.12, h.swing_share)[:, None]
+    most = h.swing_share + h.jog_flight * smoothstep((tempo - 0.9) / 0.5)
+    return np.clip(h.swing_s * tempo, 0.12, most)[:, None]
 
 
 def _steps(h: Habits, s: Array, tempo: Array, walk: Array, phase: Array) -> tuple[Array, Array]:
     """(T, 2) how high each foot is in its swing, in [0, 1], and (T, 2) how much it marches."""
     u = np.clip(_leg_phase(phase) / _share(h, tempo), 0.0, 1.0) ** h.step_skew
-    bell = np.maximum(np.sin(np.pi * u), 0.0) ** (2.0 * h.step_shape)
+    wave = np.maximum(np.sin(np.pi * u), 0.0)
+    held = smoothstep(h.step_hold * wave)
+    bell = h.step_hold_share * held + (1.0 - h.step_hold_share) * wave ** (2.0 * h.step_shape)
     return bell, np.repeat((walk * smoothstep(s[:, sig.LIFT] / 0.1))[:, None], 2, axis=1)
 
 

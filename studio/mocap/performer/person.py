@@ -78,11 +78,14 @@ class Habits:
     # marching
     step_low: float = 0.55
     step_high: float = 1.75
-    step_shape: float = 1.0  # > 1 lingers at the bottom, < 1 at the top
+    step_hold: float = 1.3  # > 1 keeps the knee up for a while; counts with step_hold_share
+    step_hold_share: float = 0.7
+    step_shape: float = 1.0  # the rest: > 1 lingers at the bottom, < 1 at the top
     step_skew: float = 1.0
     step_asymmetry: Array = field(default_factory=lambda: _pair(1.0))
     swing_share: float = 0.46
-    swing_s: float = 0.95  # longest time a foot stays up; the rest of the stride is a pause
+    jog_flight: float = 0.05  # more of it when jogging: both feet leave the floor
+    swing_s: float = 1.2  # longest time a foot stays up; the rest of the stride is a pause
     shin_back: float = 0.1  # knee flexion beyond the thigh's lift
     jog_kick: float = 0.8
     arm_swing: float = 0.4
@@ -204,11 +207,14 @@ def _habits(rng: np.random.Generator) -> Habits:
         raise_aside=np.radians(rng.uniform(-8, 18, 2)),
         step_low=deg(26, 40),
         step_high=deg(80, 110),
+        step_hold=u(1.0, 1.7),
+        step_hold_share=u(0.3, 1.0),
         step_shape=u(0.75, 1.2),
         step_skew=u(0.85, 1.15),
         step_asymmetry=1.0 + np.clip(rng.normal(0.0, 0.06, 2), -0.15, 0.15),
-        swing_share=u(0.36, 0.52),
-        swing_s=u(0.6, 1.5),
+        swing_share=u(0.42, 0.53),
+        swing_s=u(0.8, 1.8),
+        jog_flight=u(0.0, 0.12),
         shin_back=deg(-12, 25),
         jog_kick=deg(10, 70),
         arm_swing=deg(0, 45) if rng.random() < 0.75 else 0.0,
@@ -242,9 +248,10 @@ def _other_ways(rng: np.random.Generator, habits: Habits) -> Habits:
         profile=str(rng.choice(["trapezoid", "hasty"])),
         follow_s=u(0.15, 0.35),
         change_s=u(0.6, 1.0) if rng.random() < 0.5 else u(1.4, 2.0),
+        step_hold_share=0.0,
         step_shape=float(rng.choice([u(0.6, 0.7), u(1.4, 1.9)])),
         step_skew=float(rng.choice([u(0.7, 0.8), u(1.25, 1.5)])),
-        swing_share=u(0.3, 0.42),
+        swing_share=u(0.36, 0.46),
         shin_back=deg(20, 45),
         squat_knee=deg(95, 118),
         squat_shank=deg(5, 25),
