@@ -32,7 +32,7 @@ RATES: dict[str, slice] = {
     "base_ang_vel": slice(30, 33),
     "base_ang_acc": slice(33, 36),
 }
-"""Layout of the derivative head; the base's linear ones in the state's frame, angular in the body."""
+"""The derivative head; the base's linear ones in the state's frame, angular in the body."""
 NUM_RATES = 36
 NUM_OUTPUTS = 12 + 4 + NUM_RATES
 
@@ -83,7 +83,7 @@ class Mapper:
     def normalize(self, triplet: Array) -> Array32:
         """Network inputs (..., 3F) of triplets (..., 3F), cut off at INPUT_CLIP sigmas."""
         x = (np.asarray(triplet, np.float32) - self.mean) / self.scale
-        return np.clip(x, -INPUT_CLIP, INPUT_CLIP)
+        return np.minimum(np.maximum(x, -INPUT_CLIP), INPUT_CLIP)
 
     def __call__(self, triplet: Array) -> Mapped:
         """Map one triplet (3F,) = q, q', q'' end to end; also takes a batch (..., 3F)."""
@@ -100,7 +100,7 @@ class Mapper:
     def contact_prob(self, x: Array32) -> Array:
         """Contact probabilities (..., 4) of normalised inputs (..., 3F): sees q and q' only."""
         logit = self.contact(x[..., : self.contact.input_dim]).astype(np.float64)
-        return 1.0 / (1.0 + np.exp(-np.clip(logit, -30.0, 30.0)))
+        return 1.0 / (1.0 + np.exp(-np.minimum(np.maximum(logit, -30.0), 30.0)))
 
 
 def root_quat(raw: Array, neutral_quat: Array) -> Array:

@@ -14,6 +14,8 @@ Array32 = NDArray[np.float32]
 
 NAMES: tuple[str, ...] = tuple(EXPERTS)
 UNKNOWN = "unknown"
+CLIP = np.float32(5.0)
+"""z-scores are cut off here."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,6 +49,9 @@ class Prototypes:
     project: Array32
     p99: float
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_square", np.square(self.points).sum(axis=1))
+
     @staticmethod
     def from_tensors(tensors: Mapping[str, NDArray]) -> "Prototypes":
         """Read from the arrays of a selector's safetensors file."""
@@ -73,13 +78,14 @@ class Prototypes:
     def embed(self, triplet: Array) -> Array32:
         """Triplets (..., 3F) in the metric's space (..., D)."""
         z = (np.asarray(triplet, np.float32) - self.mean) / self.scale
-        return np.clip(z, -5.0, 5.0) @ self.project
+        return np.minimum(np.maximum(z, -CLIP), CLIP) @ self.project
 
     def nearest(self, point: Array32, k: int) -> tuple[NDArray[np.int64], Array32]:
         """Labels and distances (k,) of the k prototypes nearest to an embedded point (D,)."""
-        d2 = np.square(self.points - point).sum(axis=1)
+        # |p - x|^2 less its constant |x|^2: one matrix-vector product
+        d2 = self._square - 2.0 * (self.points @ point)
         best = np.argpartition(d2, k)[:k]
-        return self.label[best], np.sqrt(d2[best])
+        return self.label[best], np.sqrt(np.maximum(d2[best] + point @ point, 0.0))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,7 +15,7 @@ from studio.human.calibration import Calibration, calibrate
 from studio.human.features import FEATURE_DIM, clip_features
 from studio.human.pose import HumanClip
 from studio.human.skeleton import MIRROR, NUM_BONES
-from studio.mocap.performer import Person, play
+from studio.mocap.performer import Person, exercise, play
 from studio.mocap.performer import signals as sig
 from studio.reference.contact import smoothstep
 from studio.reference.intent import IntentTrack, StateName
@@ -31,6 +31,8 @@ Array32 = NDArray[np.float32]
 DELTA = 3
 """Frames between the samples of a difference: 0.1 s, as for the person."""
 TRIPLET_DIM = 3 * FEATURE_DIM
+EXERCISE_SHARE = 0.4
+"""Share of standing performances at people's own brisk pace: library tasks are the robot's."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,7 +88,10 @@ def performances(
     done = 0.0
     while done < seconds:
         name = str(rng.choice(tasks, p=weight / weight.sum()))
-        track = TASKS[name].sample(rng, clip_seconds, float(rng.uniform(0.3, 1.0)))
+        if state == "stand" and rng.random() < EXERCISE_SHARE:
+            track = exercise(rng, clip_seconds)
+        else:
+            track = TASKS[name].sample(rng, clip_seconds, float(rng.uniform(0.3, 1.0)))
         person = Person.sample(rng, family, style=style).still()
         one_sided = False
         robot = track

@@ -29,7 +29,7 @@ SIT_KNEE, STAND_KNEE = np.radians(85.0), np.radians(72.0)
 FOOT_UP = 0.05
 """m: an ankle this far above where it stands is lifted."""
 STEP_GAP = 0.55
-"""s: between lifts no longer apart than twice this, a march goes on; quiet for longer is a stand."""
+"""s: a march goes on between lifts no longer apart than twice this; then it is a stand."""
 LENGTH: dict[str, tuple[float, float]] = {
     "stand": (2.0, 7.0),
     "walk": (3.0, 8.0),

@@ -19,5 +19,7 @@ class ExpertSpec:
     name: StateName
     covers: str
     speed_limit: float
+    trunk_speed: float
+    root_speed: float
     turns: bool = False
     emphasis: Mapping[str, float] = field(default_factory=dict)

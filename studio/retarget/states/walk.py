@@ -9,5 +9,7 @@ WALK = ExpertSpec(
     covers="marching and jogging in place, turning while marching",
     # A trot's joints reach 330 to 830 deg/s; at the paper's 120 its feet err 5 to 13 cm.
     speed_limit=float(np.deg2rad(900.0)),
+    trunk_speed=float(np.deg2rad(180.0)),
+    root_speed=1.5,
     turns=True,
 )

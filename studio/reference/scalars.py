@@ -1,0 +1,66 @@
+"""Single rotations as plain floats: on one value these are ten times quicker than small arrays.
+
+The same conventions and results as `studio.spatial`, for the control loop's innermost steps.
+"""
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Quat = Sequence[float]
+
+
+def mul(a: Quat, b: Quat) -> tuple[float, float, float, float]:
+    """Hamilton product of two wxyz quaternions."""
+    aw, ax, ay, az = a
+    bw, bx, by, bz = b
+    return (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    )
+
+
+def conj(q: Quat) -> tuple[float, float, float, float]:
+    """The inverse of a unit quaternion."""
+    w, x, y, z = q
+    return (w, -x, -y, -z)
+
+
+def yaw(angle: float) -> tuple[float, float, float, float]:
+    """The rotation by `angle` rad about z."""
+    return (math.cos(0.5 * angle), 0.0, 0.0, math.sin(0.5 * angle))
+
+
+def matrix(q: Quat) -> Array:
+    """(3, 3) rotation matrix: v_a = matrix(q) @ v_b; rows of vectors (N, 3) @ matrix(q).T."""
+    w, x, y, z = q
+    return np.array(
+        (
+            (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+            (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+            (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+        )
+    )
+
+
+def rotvec(q: Quat) -> tuple[float, float, float]:
+    """Rotation vector (rad) of a unit quaternion, the short way."""
+    w, x, y, z = q
+    if w < 0.0:
+        w, x, y, z = -w, -x, -y, -z
+    s = math.sqrt(x * x + y * y + z * z)
+    scale = 2.0 * math.atan2(s, w) / s if s > 1e-12 else 2.0
+    return (scale * x, scale * y, scale * z)
+
+
+def from_rotvec(r: Sequence[float]) -> tuple[float, float, float, float]:
+    """Unit quaternion of a rotation vector (rad)."""
+    x, y, z = r
+    angle = math.sqrt(x * x + y * y + z * z)
+    s = math.sin(0.5 * angle) / angle if angle > 1e-12 else 0.5
+    return (math.cos(0.5 * angle), s * x, s * y, s * z)
