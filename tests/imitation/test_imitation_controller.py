@@ -11,11 +11,14 @@ from studio.imitation.controller import Controller, Directive
 from studio.imitation.transition import (
     MAX_SECONDS,
     MIN_SECONDS,
+    facing,
     feet_w,
     fit_plane,
     minimum_jerk,
+    placed,
     plan,
     settle,
+    solve,
     with_velocity,
 )
 from studio.puppeteer import fell
@@ -108,16 +111,8 @@ def test_feet_far_from_home_step_there_diagonal_pair_by_pair_and_land_on_the_flo
     np.testing.assert_allclose(end[:, 2], a1.FOOT_RADIUS, atol=1e-6)
 
 
-def with_feet(feet):
-    from studio.robot.kinematics import leg_ik
-
-    base = NEUTRAL["stand"].base_pos
-    return RobotPose(
-        base_pos=base,
-        base_quat=spatial.IDENTITY_QUAT,
-        joint_pos=leg_ik(feet - base)[0],
-        foot_contact=np.ones(4),
-    )
+def with_feet(feet, base_pos=NEUTRAL["stand"].base_pos, yaw=0.0):
+    return solve(base_pos, spatial.quat_from_rpy([0.0, 0.0, yaw]), feet)
 
 
 def test_the_reference_passes_through_once_eased_in():
@@ -129,15 +124,25 @@ def test_the_reference_passes_through_once_eased_in():
     np.testing.assert_allclose(last.reference.joint_pos, tilted.joint_pos, atol=1e-9)
 
 
-def test_the_place_of_the_persons_reference_in_the_plane_does_not_matter():
+def test_following_is_announced_so_that_the_persons_motion_can_go_on_from_the_robots():
     controller = Controller()
-    run(controller, "stand", 1.0)
-    here = controller.reference.base_pos.copy()
-    neutral = reference_of("stand")
-    far = replace(neutral, base_pos=neutral.base_pos + [7.0, -3.0, 0.0])
+    assert not controller.following
+    run(controller, "stand", 0.1)
+    assert controller.following
+    run(controller, "sit", 0.5)
+    assert not controller.following
+    run(controller, "sit", 3.0)
+    assert controller.following
     controller.rejoin()
-    run(controller, "stand", 1.0, reference=far)
-    np.testing.assert_allclose(controller.reference.base_pos, here, atol=1e-9)
+    assert not controller.following
+
+
+def test_the_feet_tell_which_way_the_robot_faces_even_with_the_trunk_twisted():
+    turned = placed(NEUTRAL["stand"], np.array([1.0, 2.0]), 0.3)
+    twisted = with_feet(feet_w(turned), base_pos=turned.base_pos, yaw=0.7)
+    assert facing(twisted, "stand") == pytest.approx(0.3, abs=1e-6)
+    sat = placed(NEUTRAL["sit"], np.zeros(2), -0.4)
+    assert facing(sat, "sit") == pytest.approx(-0.4)
 
 
 def test_sitting_down_is_reported_as_a_transition_and_then_as_sitting():

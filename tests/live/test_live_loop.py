@@ -176,9 +176,9 @@ def test_a_command_is_answered_after_the_tick_that_applied_it_or_with_why(make):
 def test_a_locked_state_is_kept_whatever_the_person_does(make):
     loop = make(Script(task="walk"))
     run(loop, 0.2)
-    ask(loop, c.SetStateLock(state="sit"))
+    ask(loop, c.SetStateLock(state="stand"))
     ticks = run(loop, 6.0)
-    assert ticks[-1].state == "sit"
+    assert {tick.state for tick in ticks[60:]} == {"stand"}
     assert ticks[-1].why.startswith("locked")
 
 
@@ -189,8 +189,9 @@ def test_a_new_source_is_followed_from_its_start_without_a_jump(make):
     assert answer.ok, answer.why
     assert answer.state["source"] == "operator:crouch"
     after = run(loop, 1.0)
-    joints = np.array([before.reference.joint_pos, *(t.reference.joint_pos for t in after[2:])])
-    assert np.degrees(np.abs(np.diff(joints[1:], axis=0)).max() * 30.0) < 121.0
+    joints = np.array([tick.reference.joint_pos for tick in (before, *after)])
+    # One or two ticks passed in between, while the source was opened: 4 degrees each.
+    assert np.degrees(np.abs(np.diff(joints, axis=0)).max()) < 13.0
 
 
 def test_frames_that_stop_coming_are_reused_then_held_then_the_robot_stands(make):
@@ -344,8 +345,9 @@ def test_what_was_recorded_can_be_replayed_paused_and_left(make):
     ask(loop, c.Seek(t=0.0, playing=True))
     shown = run(loop, 0.5)
     assert all(tick.mode == "replay" for tick in shown)
-    recorded = {round(float(tick.robot.joint_pos[2]), 9) for tick in live}
-    assert round(float(shown[5].robot.joint_pos[2]), 9) in recorded
+    recorded = np.array([tick.robot.joint_pos for tick in live])
+    apart = np.abs(recorded - shown[8].robot.joint_pos).max(axis=1)
+    assert apart.min() < 1e-5  # the tape keeps float32
     ask(loop, c.Seek(playing=False))
     paused = run(loop, 0.3)
     assert len({tick.index for tick in paused}) == 1
