@@ -33,7 +33,9 @@ MAX_TIME = 1e11
 """s; the present is 2e9 even for those who count from 1970."""
 MAX_AHEAD, MAX_AGE = 1.0, 1.0
 """s by which a frame may run ahead of the clock, or come later than the quickest of its stream."""
-_AGE_WINDOW, _AGE_GAP = 10.0, 2.0
+_AGE_LEAK = 0.3
+ANEW = 5.0
+"""s without a good frame after which a stream begins anew: any time stamp, any skeleton."""
 _SHAPE = '{"t": seconds, "skeleton": NAME, "positions": [[x, y, z], …] in m, "confidence": [c, …]}'
 
 
@@ -75,8 +77,7 @@ class FrameGate:
         self._skeleton: SourceSkeleton | None = None
         self._pose: HumanPose | None = None
         self._at = -math.inf
-        # least (clock - t) seen in this window and the one before: what "no delay" looks like
-        self._least, self._least_before, self._window = math.inf, math.inf, -math.inf
+        self._quickest = math.inf
 
     def check(self, raw: object) -> HumanPose:
         """The pose in `raw` (JSON text, bytes, or the decoded object); FrameRejected otherwise."""
@@ -97,8 +98,7 @@ class FrameGate:
 
     def _check(self, raw: object) -> HumanPose:
         now = self._clock()
-        if self._live:
-            self._take_token(now)
+        self._begin(now)
         frame = _parse(raw)
         skeleton = SKELETONS.get(frame.skeleton)
         if skeleton is None:
@@ -117,8 +117,7 @@ class FrameGate:
 
     def _check_pose(self, pose: object) -> HumanPose:
         now = self._clock()
-        if self._live:
-            self._take_token(now)
+        self._begin(now)
         if not isinstance(pose, HumanPose):
             raise FrameRejected(f"a HumanPose is needed here, not {type(pose).__name__}")
         _check_numbers(pose.t, pose.joint_pos_w, pose.confidence)
@@ -132,8 +131,14 @@ class FrameGate:
         self._pose, self._at = pose, now
         return pose
 
-    def _take_token(self, now: float) -> None:
-        """A token bucket: MAX_RATE frames a second, BURST at once; refused before it is parsed."""
+    def _begin(self, now: float) -> None:
+        """Live: a token bucket, MAX_RATE frames a second and BURST at once, before any parsing."""
+        if not self._live:
+            return
+        if now - self._at > ANEW:
+            # Nothing good for long (a sleeping laptop, a restarted sender): what came then binds
+            # nobody now.
+            self.reset()
         elapsed = now - self._refilled
         self._tokens = min(BURST, self._tokens + MAX_RATE * max(elapsed, 0.0))
         self._refilled = now
@@ -156,17 +161,15 @@ class FrameGate:
                 )
         if not self._live:
             return
-        if now - self._at > _AGE_GAP:
-            # A pause (a sleeping laptop stops its clock): what "no delay" is must be seen anew.
-            self._least = self._least_before = math.inf
-        if now - self._window > _AGE_WINDOW:
-            self._least, self._least_before, self._window = math.inf, self._least, now
-        self._least = min(self._least, now - t)
-        age = now - t - min(self._least, self._least_before)
+        # How late the quickest frame came. It may rise as fast as frames come, for senders whose
+        # time runs slow; but a frame held up on its way finds the old figure.
+        quickest = min(now - t, self._quickest + min(now - self._at, _AGE_LEAK))
+        age = now - t - quickest
         if age > MAX_AGE:
             raise FrameRejected(
                 f"the frame is {age:.2g} s late; older than {MAX_AGE:g} s is no use"
             )
+        self._quickest = quickest
 
     def _check_speed(self, pose: HumanPose) -> None:
         last = self._pose

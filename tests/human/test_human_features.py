@@ -207,11 +207,11 @@ def test_push_costs_far_less_than_a_control_period():
     extractor = FeatureExtractor()
     best = math.inf
     for _ in range(3):  # the quietest of three: others may be using the machine
-        start = time.perf_counter()
+        start = time.thread_time()
         for i in range(len(clip)):
             extractor.push(clip[i])
-        best = min(best, (time.perf_counter() - start) / len(clip))
-    assert best < 0.5e-3
+        best = min(best, (time.thread_time() - start) / len(clip))
+    assert best < 0.25e-3
 
 
 KNEE_BEND = {  # file: the deepest knee flexion, degrees, both legs, roughly

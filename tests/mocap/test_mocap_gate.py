@@ -256,10 +256,37 @@ def test_a_frame_that_was_long_on_its_way_is_refused(gate, clock):
     gate.check(frame(2.4))  # a fresh one is welcome
 
 
+@pytest.mark.parametrize("pace", [0.02, 0.05, 0.1, 0.3])
+def test_a_sender_whose_time_runs_slow_or_fast_is_no_late_one(gate, clock, pace):
+    for k in range(200):
+        gate.check(frame(k / 30))
+        clock.now += pace
+
+
+def test_of_a_backlog_only_the_frames_of_the_last_second_are_taken(gate, clock):
+    for k in range(30):
+        gate.check(frame(k / 30))
+        clock.now += 1 / 30
+    clock.now += 2.5  # the network stood still; now 75 frames come at once
+    taken = []
+    for k in range(30, 105):
+        clock.now += 0.009  # as fast as the rate cap lets them
+        with contextlib.suppress(FrameRejected):
+            taken.append(gate.check(frame(k / 30)).t)
+    # frame k comes at 3.5 + .009 (k - 29) s; at most 1 + .3 s late (the leak) from k = 80 on
+    assert taken[0] == pytest.approx(80 / 30)
+    assert taken[-1] == pytest.approx(104 / 30)
+
+
 def test_a_sender_whose_clock_paused_is_taken_again(gate, clock):
-    gate.check(frame(0.0))
+    gate.check(frame(1000.0))
+    clock.now += 4.9
+    with pytest.raises(FrameRejected):
+        gate.check(frame(3.0))
+    clock.now += 0.2
+    assert gate.check(frame(3.0)).t == 3.0  # nothing good for five seconds: begun anew
     clock.now += 60.0
-    assert gate.check(frame(0.03)).t == 0.03
+    assert gate.check(frame(3.03)).t == 3.03
 
 
 def test_a_huge_jump_is_refused_and_a_person_elsewhere_is_taken_after_a_while(gate, clock):
@@ -347,8 +374,8 @@ def test_a_check_costs_little_of_a_control_period():
     best = math.inf
     for _ in range(3):
         gate.reset()
-        start = time.perf_counter()
+        start = time.thread_time()
         for text in texts:
             gate.check(text)
-        best = min(best, (time.perf_counter() - start) / len(texts))
-    assert best < 1e-3
+        best = min(best, (time.thread_time() - start) / len(texts))
+    assert best < 0.3e-3
