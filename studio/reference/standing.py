@@ -121,7 +121,7 @@ def _legs(base: Array, quat: Array, reach: Array, side: Array) -> tuple[Array, A
         [_SIDE_HIP * side[..., None], _FORWARD + (_UP - _FORWARD) * up],
         axis=-1,
     )
-    free = smoothstep((u - 0.04) / 0.46)[..., None]
+    free = smoothstep((u - 0.04) / 0.62)[..., None]
     front = joints.reshape(-1, 4, 3)[:, :2]
     front += free * (paw - front)
     _above_floor(base, quat, joints, u)

@@ -60,7 +60,8 @@ class Walker:
                 self._swing(leg, phase / (1.0 - duty), landing, clear)
             elif self._swinging[leg]:
                 # Swung through: down at the landing. Gone back (in a pause): down where it is.
-                self._put_down(leg, landing if left > 0.0 else self._foot[leg][:2])
+                x, y, z = self._foot[leg]
+                self._put_down(leg, landing if left > 0.0 and z > 1e-6 else (x, y))
         return self._pose(intent, cadence)
 
     def _advance(self, phase: float) -> float:
@@ -71,9 +72,9 @@ class Walker:
 
     def _next_tempo(self, phase: float, wanted: float, advance: float) -> float:
         """Crawl or trot: at once while all feet stand, else slowly, so that no foot turns back."""
-        if self._phase is None or not (
-            _any_swings(phase, self._tempo) or _any_swings(phase, wanted)
-        ):
+        if wanted == self._tempo:
+            return wanted
+        if not (_any_swings(phase, self._tempo) or _any_swings(phase, wanted)):
             return wanted
         most = max(advance, 0.03)
         return _towards(self._tempo, wanted, most)
@@ -104,7 +105,7 @@ class Walker:
         z = max(clear, min(gait.MIN_CLEARANCE, 0.6 * way)) * float(gait.swing_height(done))
         self._foot[leg] = (x + s * (to_x - x), y + s * (to_y - y), z)
 
-    def _put_down(self, leg: int, place: tuple[float, ...]) -> None:
+    def _put_down(self, leg: int, place: tuple[float, float]) -> None:
         self._swinging[leg] = False
         self._anchor[leg] = (place[0], place[1])
         self._foot[leg] = (place[0], place[1], 0.0)
