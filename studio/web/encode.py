@@ -6,7 +6,6 @@ import msgspec
 import numpy as np
 
 from studio.human.pose import HumanPose
-from studio.human.skeleton import JOINTS
 from studio.recording.tick import Tick
 from studio.robot.pose import ReferencePose, RobotPose, RobotState
 
@@ -25,6 +24,19 @@ def numbers(x: Any) -> Any:
 
 def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
+
+
+def plain(value: Any) -> Any:
+    """Nested dicts and lists with numpy's numbers as Python's, and null for what is not finite."""
+    if isinstance(value, dict):
+        return {str(key): plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(item) for item in value]
+    if isinstance(value, np.ndarray):
+        return numbers(value)
+    if isinstance(value, np.generic):
+        value = value.item()
+    return _finite(value) if isinstance(value, float) else value
 
 
 def pose_dict(pose: RobotPose) -> dict[str, Any]:
@@ -75,13 +87,10 @@ def tick_dict(tick: Tick) -> dict[str, Any]:
         "fallen": bool(tick.fallen),
         "why": tick.why,
         "timings_ms": {k: round(float(v), 4) for k, v in tick.timings_ms.items()},
-        "counters": dict(tick.counters),
+        "counters": plain(tick.counters),
     }
 
 
 def tick_json(tick: Tick, **more: Any) -> bytes:
     """UTF-8 JSON of `tick_dict` with further keys."""
     return msgspec.json.encode({**tick_dict(tick), **more})
-
-
-SKELETON: dict[str, Any] = {"joints": list(JOINTS)}

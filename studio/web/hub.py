@@ -15,6 +15,7 @@ from studio.live.loop import LiveLoop
 from studio.reference.library import TASKS
 from studio.web.access import AccessConfig
 from studio.web.desk import ControlDesk
+from studio.web.encode import plain
 from studio.web.feed import TickFeed
 from studio.web.keyboard import intent_of
 
@@ -60,7 +61,7 @@ class Hub:
     def state(self) -> dict[str, Any]:
         """GET /api/state, with who holds control."""
         more = {"control": self.desk.state(), "tasks": TASK_NAMES, "controllers": CONTROLLER_NAMES}
-        return {**self.loop.state_dict(), **more}
+        return plain({**self.loop.state_dict(), **more})
 
     def drive(self, page: str, keys: frozenset[str]) -> None:
         """Keys held by the page in control become what the hand-driven operator means."""

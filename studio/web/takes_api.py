@@ -15,6 +15,7 @@ from studio.errors import StudioError
 from studio.live.commands import StartTake, StopTake
 from studio.recording.exports import export as export_take
 from studio.recording.library import SessionLibrary
+from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 
 T = TypeVar("T")
@@ -64,12 +65,12 @@ def takes_router(hub: Hub) -> APIRouter:
         """Record from now on."""
         body = body or StartBody()
         result = await hub.apply(StartTake(label=body.label, name=body.name), request)
-        return result.data
+        return plain(result.data)
 
     @router.post("/stop")
     async def stop(request: Request) -> dict[str, Any]:
         """End the take."""
-        return (await hub.apply(StopTake(), request)).data
+        return plain((await hub.apply(StopTake(), request)).data)
 
     @router.get("/{name}")
     async def one(name: str) -> dict[str, Any]:

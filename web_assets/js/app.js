@@ -125,11 +125,12 @@ function drawState(state) {
   const stopped = Boolean(state.stopped);
   $("#stopped").hidden = !stopped;
   $(".stage").classList.toggle("is-stopped", stopped);
-  const needsReset = stopped && (state.needs_reset ?? !/robot is up/.test(state.why));
+  const needsReset = stopped && !/robot is up/.test(state.why);
   $("#reset").classList.toggle("next", needsReset);
   $("#arm").classList.toggle("next", !needsReset && !state.armed);
   $("#arm").disabled = Boolean(state.armed) && !stopped;
-  text($("#stopped span"), needsReset ? "Joints are damped. Press Reset to stand up, then Arm." : "The robot is up. Press Arm to follow again.");
+  text($("#stopped b"), /emergency/.test(state.why) ? "Emergency stop" : /fell/.test(state.why) ? "The robot fell" : "Stopped");
+  text($("#stopped span"), needsReset ? "Its joints are damped. Press Reset to stand up, then Arm." : "It is up again. Press Arm to follow.");
   const status = $("#status");
   status.dataset.kind = stopped ? "stopped" : state.why ? "wait" : "moving";
   const doing = { stand: "standing with you", walk: "walking as you march", sit: "sitting with you", transition: "changing its stance" };

@@ -79,5 +79,5 @@ export function drawSource(state) {
   $("#pad").hidden = !keys;
   if (state.mirror !== undefined && document.activeElement !== $("#mirror")) $("#mirror").checked = state.mirror;
   const c = state.calibration;
-  text($("#calibration"), c ? `leg ${c.leg_length.toFixed(2)} m` : "");
+  text($("#calibration"), c?.leg_length_m ? `leg ${c.leg_length_m.toFixed(2)} m` : "");
 }

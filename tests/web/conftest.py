@@ -1,0 +1,97 @@
+"""A whole studio on a loopback port: loop, inner viser, gateway, in this process."""
+
+import threading
+import time
+from dataclasses import dataclass
+
+import httpx
+import pytest
+
+from studio.web.serve import ServeConfig, studio
+
+TOKEN = "test-token-0123456789"
+
+
+@dataclass(frozen=True)
+class Running:
+    """A served studio: its port, an authorised client, and its parts for looking behind."""
+
+    port: int
+    client: httpx.Client
+
+    @property
+    def base(self) -> str:
+        return f"http://127.0.0.1:{self.port}"
+
+    def state(self) -> dict:
+        return self.client.get("/api/state").json()
+
+    def wait(self, true, seconds: float = 10.0) -> dict:
+        """The first state for which `true(state)`; fails with the last one seen."""
+        deadline = time.monotonic() + seconds
+        while True:
+            state = self.state()
+            if true(state):
+                return state
+            assert time.monotonic() < deadline, state
+            time.sleep(0.05)
+
+    def ws(self, path: str, **options):
+        """A WebSocket to the gateway, authorised unless told otherwise."""
+        from websockets.sync.client import connect
+
+        headers = options.pop("headers", {"Authorization": f"Bearer {TOKEN}"})
+        return connect(
+            f"ws://127.0.0.1:{self.port}{path}",
+            additional_headers=headers,
+            proxy=None,
+            max_size=None,
+            **options,
+        )
+
+
+@pytest.fixture(scope="session")
+def studio_at(tmp_path_factory):
+    """One studio for the whole session; tests leave it live, armed, on the operator."""
+    config = ServeConfig(
+        source="operator:quiet",
+        port=0,
+        token=TOKEN,
+        sessions=tmp_path_factory.mktemp("sessions"),
+    )
+    with studio(config) as (server, listener, _):
+        thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]}, daemon=True)
+        thread.start()
+        port = listener.getsockname()[1]
+        headers = {"Authorization": f"Bearer {TOKEN}"}
+        with httpx.Client(
+            base_url=f"http://127.0.0.1:{port}", headers=headers, timeout=15.0, trust_env=False
+        ) as client:
+            running = Running(port=port, client=client)
+            deadline = time.monotonic() + 30.0
+            while time.monotonic() < deadline:
+                try:
+                    if client.get("/api/health").status_code == 200:
+                        break
+                except httpx.TransportError:
+                    pass
+                time.sleep(0.05)
+            yield running
+        server.should_exit = True
+        thread.join(timeout=10.0)
+        assert not thread.is_alive()
+
+
+@pytest.fixture
+def studio_live(studio_at):
+    """The same, brought back to live, armed and unlocked, whoever used it before."""
+    client = studio_at.client
+    state = studio_at.state()
+    if state["source"] != "operator:quiet":
+        assert client.post("/api/source", json={"source": "operator:quiet"}).status_code == 200
+    if state["stopped"]:
+        client.post("/api/reset")
+        client.post("/api/arm")
+    client.post("/api/mode", json={"mode": "live"})
+    client.post("/api/state", json={"state": "auto"})
+    return studio_at
