@@ -29,6 +29,8 @@ Array = NDArray[np.float64]
 TRACKED_FOOT_M = 0.08
 TRACKED_TILT = np.deg2rad(15.0)
 PRIVILEGED_DIM = 65
+SELF_CHECK_EVERY = 15
+"""Control periods between two looks at one robot for self-penetration: half a second."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,6 +96,7 @@ class ImitationEnv:
         self.terms: dict[str, Array] = {}
         self._noisy = np.zeros((n, 18))
         self._choices = bank.choices(self.curriculum.stage)
+        self._turn = 0
 
     # ── one step ────────────────────────────────────────────────────────────────────────────
 
@@ -338,8 +341,14 @@ class ImitationEnv:
     def _ended(self) -> NDArray[np.bool_]:
         w = self.world
         reference = self.bank.base_quat[self.motion, self.frame]
-        down = termination.fallen(w.base_pos, w.base_quat, reference)
-        return down | ~np.isfinite(w.qpos).all(axis=-1)
+        ended = termination.fallen(w.base_pos, w.base_quat, reference)
+        ended |= ~np.isfinite(w.qpos).all(axis=-1)
+        # Links through links: as dear as the physics itself, so each robot is looked at in turn.
+        self._turn = (self._turn + 1) % SELF_CHECK_EVERY
+        some = slice(self._turn, None, SELF_CHECK_EVERY)
+        if len(ended[some]):
+            ended[some] |= termination.self_penetrating(w.joint_pos[some])
+        return ended
 
 
 def neutral_joints(bank: MotionBank) -> Array:

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import spatial
+from studio.robot import kinematics
 
 Array = NDArray[np.float64]
 FALL_TILT = np.deg2rad(60.0)
@@ -47,3 +48,8 @@ def fallen(
     """
     low = trunk_clearance(base_pos, base_quat) < clearance
     return low | (tilt_error(base_quat, reference_quat) > FALL_TILT)
+
+
+def self_penetrating(joint_pos: Array, depth: float = 0.005) -> NDArray[np.bool_]:
+    """(N,) two links of the robot overlap by more than `depth` m."""
+    return kinematics.self_collision_distance(joint_pos) < -depth

@@ -85,6 +85,18 @@ def test_trunk_on_the_floor_ends_an_episode_and_begins_another(stand: MotionBank
     assert env.world.base_pos[[2, 5], 2].min() > 0.15
 
 
+def test_links_through_links_end_an_episode_within_half_a_second(stand: MotionBank) -> None:
+    env = nominal(stand, n=2)
+    env.reset()
+    crossed = a1.STAND_JOINT_POS.copy()
+    crossed[[0, 3]] = 0.8, -0.8  # both front legs under the trunk, through each other
+    ended = False
+    for _ in range(16):
+        env.world.qpos[1, 7:] = crossed
+        ended |= bool(env.step(np.zeros((2, 12)), np.tile(crossed, (2, 1)))[2][1])
+    assert ended
+
+
 def test_time_limit_truncates_and_hands_over_the_last_observation(stand: MotionBank) -> None:
     env = nominal(stand)
     env.reset()
