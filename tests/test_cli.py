@@ -1,0 +1,147 @@
+"""The command line: one object out, exit statuses 0, 1 and 2, one line where it fails."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from studio import cli
+from studio.errors import StudioError
+
+
+def run(*argv, capsys=None):
+    """(exit status, stdout, stderr) of a command run in this process."""
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(list(argv))
+    out, err = capsys.readouterr()
+    return stopped.value.code, out, err
+
+
+def test_help_lists_every_command_quickly_without_loading_the_studio():
+    code = (
+        "import sys; from studio import cli\n"
+        "try: cli.main(['--help'])\n"
+        "except SystemExit as e: status = e.code\n"
+        "heavy = {'torch', 'mujoco', 'viser', 'fastapi', 'scipy'} & set(sys.modules)\n"
+        "sys.exit(status or len(heavy))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=os.environ, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    for command in ("serve", "drive", "takes", "train", "evaluate", "bench"):
+        assert command in done.stdout
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [
+        [],
+        ["fly"],
+        ["drive"],
+        ["drive", "--source", "operator", "--state", "fly"],
+        ["drive", "--source", "operator", "--controller", "magic"],
+        ["drive", "--source", "operator", "--seconds", "soon"],
+        ["drive", "--source", "operator", "--json"],
+        ["train"],
+        ["train", "dragons"],
+        ["takes"],
+        ["takes", "burn"],
+        ["evaluate"],
+    ],
+)
+def test_bad_usage_is_exit_status_2_and_says_something(argv, capsys):
+    status, out, err = run(*argv, capsys=capsys)
+    assert status == 2
+    assert err.strip()
+    assert not out
+
+
+@pytest.mark.parametrize(
+    "argv",
+    [
+        ["drive", "--source", "telepathy"],
+        ["drive", "--source", "bvh:/nowhere/to.bvh"],
+        ["drive", "--source", "take:nothing"],
+        ["drive", "--source", "stream"],
+        ["drive", "--source", "operator", "--seconds", "-3"],
+        ["takes", "show", "nothing"],
+        ["evaluate", "nothing"],
+    ],
+)
+def test_what_fails_is_exit_status_1_and_one_line(argv, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    status, out, err = run(*argv, capsys=capsys)
+    assert status == 1
+    assert len(err.strip().splitlines()) == 1
+    assert not out
+
+
+def test_json_to_standard_output_is_one_object_and_nothing_else(capsys):
+    status, out, _ = run(
+        "drive", "--source", "operator:quiet", "--seconds", "0.5", "--json", "-", capsys=capsys
+    )
+    assert status == 0
+    report = json.loads(out)
+    assert report["frames"] == 15
+    assert report["survived"] is True
+
+
+def test_json_to_a_file_makes_its_folder(tmp_path, capsys):
+    path = tmp_path / "new" / "report.json"
+    status, out, _ = run(
+        "drive", "--source", "operator:quiet", "--seconds", "0.5", f"--json={path}", capsys=capsys
+    )
+    assert status == 0
+    assert not out
+    assert json.loads(path.read_text())["frames"] == 15
+
+
+def test_a_file_that_cannot_be_written_is_a_failure_in_one_line(tmp_path, capsys):
+    status, _, err = run(
+        "drive", "--source", "operator:quiet", "--seconds", "0.2", "--json", str(tmp_path),
+        capsys=capsys,
+    )  # fmt: skip
+    assert status == 1
+    assert len(err.strip().splitlines()) == 1
+
+
+def test_a_recorded_drive_is_listed_shown_labelled_and_verified(tmp_path, capsys):
+    where = ["--sessions", str(tmp_path), "--json", "-"]
+    status, out, _ = run(
+        "drive", "--source", "operator:quiet", "--seconds", "1", "--record", *where, capsys=capsys
+    )
+    assert status == 0
+    name = json.loads(out)["take"]
+    assert json.loads(run("takes", "list", *where, capsys=capsys)[1])["takes"][0]["name"] == name
+    assert run("takes", "label", name, "my first take", *where, capsys=capsys)[0] == 0
+    shown = json.loads(run("takes", "show", name, *where, capsys=capsys)[1])
+    assert shown["ticks"] == 30
+    for argv in (["takes", "verify"], ["takes", "verify", name]):
+        status, out, _ = run(*argv, *where, capsys=capsys)
+        assert status == 0
+        take = json.loads(out)["takes"][0]
+        assert {"name", "ticks", "seconds", "complete", "recovered", "problems"} <= set(take)
+    (tmp_path / name / "tape.mcap").write_bytes(b"nothing of a tape")
+    status, out, err = run("takes", "verify", *where, capsys=capsys)
+    assert status == 1
+    assert name in err
+    assert json.loads(out)["takes"][0]["problems"]
+
+
+def test_the_command_is_installed_and_gives_its_version():
+    script = os.path.join(os.path.dirname(sys.executable), "a1-studio")
+    done = subprocess.run([script, "--version"], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout.strip()) == (0, "a1-studio 0.1.0")
+
+
+def test_every_failure_message_fits_a_line(monkeypatch, capsys):
+    def fails(_):
+        raise StudioError("first\n  second")
+
+    monkeypatch.setitem(cli.COMMANDS, "bench", (fails, ""))
+    status, _, err = run("bench", capsys=capsys)
+    assert status == 1
+    assert err == "first second\n"
