@@ -1,6 +1,7 @@
 """`a1-studio serve`: loop, view and gateway in one process, one URL, a clean end."""
 
 import contextlib
+import errno
 import logging
 import os
 import secrets
@@ -49,20 +50,20 @@ class ServeConfig:
 
 def bind(host: str, port: int) -> socket.socket:
     """A listening socket, so that a taken port is known before anything starts."""
+    listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
     try:
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        listener = socket.socket(family, socket.SOCK_STREAM)
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind((host, port))
         listener.listen(128)
-    except OSError as error:
-        if isinstance(error, PermissionError):
-            hint = "choose a port above 1023 with --port"
-        elif isinstance(error, socket.gaierror) or error.errno == 99:
+    except (OSError, OverflowError) as error:
+        listener.close()
+        if isinstance(error, PermissionError | OverflowError):
+            hint = "choose a port from 1024 to 65535 with --port"
+        elif isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
             hint = "give --host an address of this machine, such as 127.0.0.1"
         else:
             hint = "is another studio running? Stop it, or choose another with --port"
-        why = error.strerror or str(error)
+        why = getattr(error, "strerror", None) or str(error)
         raise StudioError(f"cannot listen on {host}:{port} ({why}): {hint}") from error
     return listener
 

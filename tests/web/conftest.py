@@ -46,6 +46,7 @@ class Running:
             additional_headers=headers,
             proxy=None,
             max_size=None,
+            max_queue=None,  # a reader that pauses would not see the answer to its closing
             **options,
         )
 
