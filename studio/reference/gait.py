@@ -26,7 +26,10 @@ _REAR_OFFSETS = (0.35, 0.28, 0.0)
 has the time to swing quickly and to shift its weight in between."""
 MAX_TRAVEL = 0.30
 """m: longest way of the body over a standing foot. Longer, feet of one side meet: played open loop,
-a trot at 1.4 strides a second fell with 0.34 and held with 0.30."""
+a trot at 1.4 strides a second fell with 0.34."""
+_TRAVELS = ((0.9, 1.2, 1.5, 1.9), (0.30, 0.26, 0.26, 0.28))
+"""Strides per second, and the longest way there: between crawl and quick trot a step takes so long
+that the robot tips over its diagonal; with 0.30 one playback in five fell there."""
 STAGGER = 0.12
 """Share by which, at the longest travel, front feet step narrower and rear feet wider (16 mm): they
 pass beside each other, and the trot goes straight."""
@@ -80,6 +83,11 @@ def leg_offsets(tempo: ArrayLike) -> Array:
     return np.stack([half, 0.0 * half, rear, half + rear], axis=-1)
 
 
+def max_travel(cadence: ArrayLike) -> Array:
+    """Longest way (...) m of the body over one standing foot."""
+    return np.interp(np.asarray(cadence, dtype=np.float64), *_TRAVELS)
+
+
 def swing_profile(s: ArrayLike) -> Array:
     """Share of its way a foot has made at share s of its swing: speeds up, even, slows down.
 
@@ -95,11 +103,11 @@ def swing_profile(s: ArrayLike) -> Array:
 def speed_limit(cadence: ArrayLike, turn: ArrayLike = 0.0) -> Array:
     """Fastest walk (...) m/s at a cadence: travel * cadence / duty, at most MAX_SPEED.
 
-    0.14 m/s at 0.4 strides a second, 0.37 at 1, 0.70 at 1.4; MAX_SPEED needs 1.94. Turning at
+    0.14 m/s at 0.4 strides a second, 0.34 at 0.9, 0.61 at 1.4; MAX_SPEED needs 2.08. Turning at
     `turn` rad/s takes a little of it away: the outer feet have further to go.
     """
     cadence = np.asarray(cadence, dtype=np.float64)
-    longest = MAX_TRAVEL * cadence / duty(tempo(cadence))
+    longest = max_travel(cadence) * cadence / duty(tempo(cadence))
     return np.clip(longest - HALF_WIDTH * np.abs(turn), 0.0, MAX_SPEED)
 
 

@@ -85,7 +85,11 @@ class Walker:
         most = gait.MAX_YAW_PER_STRIDE
         turn = min(max(intent.turn / rate, -most), most)
         crouch = min(max(intent.crouch, 0.0), 1.0)
-        longest = gait.MAX_TRAVEL * (1.0 - _CROUCH_SHORTER * crouch) / float(gait.duty(self._tempo))
+        longest = (
+            float(gait.max_travel(cadence))
+            * (1.0 - _CROUCH_SHORTER * crouch)
+            / float(gait.duty(self._tempo))
+        )
         way = min(max(intent.speed, 0.0) / rate, longest - gait.HALF_WIDTH * abs(turn))
         gone = max(advance, 0.02)
         self._way = _towards(self._way, way, gait.WAY_GAIN * gone)

