@@ -1,6 +1,6 @@
 """Unitree's meshes to light ones any viewer can draw, as plain arrays, and where each link is.
 
-`python -m studio.sim.visual` fills the cache at set-up; without it the first use does (seconds).
+`python -m studio.sim.visual` fills the cache at set-up; without it the first use does.
 Meshes are decimated, cut along sharp edges (so that smooth shading keeps them sharp) and turned
 into their link's frame, with the URDF's mirroring of the hips applied.
 """
@@ -80,12 +80,12 @@ def cache_file() -> Path:
     else:
         home = os.environ.get("XDG_CACHE_HOME") or str(Path.home() / ".cache")
         folder = Path(home) / "a1-studio"
-    recipe = repr((TRIANGLES, CREASE, OPENNESS, COLORS)).encode()
+    recipe = repr((TRIANGLES, CREASE, OPENNESS, COLORS, "qem")).encode()
     return folder / f"a1_meshes_{hashlib.sha256(recipe).hexdigest()[:12]}.npz"
 
 
 def build_meshes() -> dict[str, LinkMesh]:
-    """Read, decimate and turn Unitree's meshes: about five seconds."""
+    """Read, decimate and turn Unitree's meshes: about twenty seconds."""
     from studio.sim.spec import load_urdf
 
     parts: dict[str, LinkMesh] = {name: _decimated(name) for name in TRIANGLES}
@@ -115,16 +115,17 @@ def build_meshes() -> dict[str, LinkMesh]:
 def _decimated(name: str) -> LinkMesh:
     import trimesh
 
+    from studio.sim.decimate import decimate
     from studio.sim.spec import a1_folder
 
     raw = trimesh.load_scene(str(a1_folder() / "meshes" / f"{name}.dae")).to_mesh()
     mesh = trimesh.Trimesh(raw.vertices, raw.faces, process=False)
-    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    mesh.merge_vertices(merge_tex=True, merge_norm=True, digits_vertex=5)
     mesh.update_faces(mesh.nondegenerate_faces() & mesh.unique_faces())
     # Screws, shafts and inner walls would eat most of the triangles: only what shows is kept.
     mesh.update_faces(_openness(np.asarray(mesh.vertices), np.asarray(mesh.faces)) > OPENNESS)
     mesh.remove_unreferenced_vertices()
-    points, faces = _simplify(mesh.vertices, mesh.faces, TRIANGLES[name])
+    points, faces = decimate(np.asarray(mesh.vertices), np.asarray(mesh.faces), TRIANGLES[name])
     light = trimesh.Trimesh(points, faces, process=True)
     light.update_faces(light.nondegenerate_faces())
     shaded = trimesh.graph.smooth_shade(light, angle=CREASE)
@@ -133,20 +134,6 @@ def _decimated(name: str) -> LinkMesh:
         faces=np.asarray(shaded.faces, dtype=np.uint32),
         color=COLORS[name],
     )
-
-
-def _simplify(vertices: Array, faces: NDArray, target: int) -> tuple[NDArray, NDArray]:
-    """Quadric decimation, gently first: careful passes keep the shape, later ones the count."""
-    import fast_simplification
-
-    points, faces = vertices.astype(np.float32), faces.astype(np.int32)
-    for gentleness in (1, 2, 2, 2, 2, 4, 4):
-        if len(faces) <= target:
-            break
-        points, faces = fast_simplification.simplify(
-            points, faces, target_count=target, agg=gentleness
-        )
-    return points, faces
 
 
 def _openness(vertices: Array, faces: NDArray, directions: int = 64) -> Array:
@@ -205,7 +192,7 @@ def _save(path: Path, meshes: dict[str, LinkMesh]) -> None:
 
 
 def _load(path: Path) -> dict[str, LinkMesh]:
-    with np.load(path, allow_pickle=False) as data:
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as data:
         index = data["index"].tolist()
         if len(index) != a1.NUM_LINKS:
             raise ValueError("not a cache of the A1's meshes")
