@@ -68,7 +68,7 @@ def read_edits(folder: Path) -> EditLog:
             else:
                 done.append(_checked(row["set"]))
                 undone.clear()
-        except (msgspec.DecodeError, StudioError, KeyError, AttributeError, IndexError) as error:
+        except (ValueError, StudioError, KeyError, AttributeError, IndexError) as error:
             problems.append(f"{EDITS} line {number} is left out: {error or 'damaged'}")
     values: dict[str, Any] = {}
     for changes in done:

@@ -28,7 +28,7 @@ log = logging.getLogger(__name__)
 BIN, INDEX = ".bin", ".index.json"
 _INDEX_VERSION = 1
 Rows = list[dict[str, Any]]
-Key = list[int]
+Key = int
 Names = list[str]
 
 
@@ -71,18 +71,13 @@ class SessionLibrary:
         """Every take, newest name last. An unreadable one is listed with its problem."""
         old = self._load_index()
         new: dict[str, tuple[Key, TakeInfo]] = {}
-        for name in self._names():
-            folder = self.root / name
-            try:
-                key = _key(folder)
-            except OSError:
-                continue  # deleted meanwhile
+        for name, key in self._folders().items():
             known = old.get(name)
             if known is not None and known[0] == key and not known[1].recording:
                 new[name] = known
-                continue
-            new[name] = (key, self._examine(folder))
-        if new != old:
+            else:
+                new[name] = (key, self._examine(self.root / name))
+        if new.keys() != old.keys() or any(new[name] is not old[name] for name in new):
             self._save_index(new)
         return [new[name][1] for name in sorted(new)]
 
@@ -164,17 +159,24 @@ class SessionLibrary:
         return name
 
     def _names(self) -> Names:
+        return sorted(self._folders())
+
+    def _folders(self) -> dict[str, Key]:
+        """Each take's folder with what changes when the take does: the folder's own time (files
+        come and go, edits touch it)."""
+        out: dict[str, Key] = {}
         try:
             with os.scandir(self.root) as entries:
-                return sorted(
-                    e.name
-                    for e in entries
-                    if not e.name.startswith(".") and e.is_dir(follow_symlinks=False)
-                )
+                for entry in entries:
+                    if entry.name.startswith(".") or not entry.is_dir(follow_symlinks=False):
+                        continue
+                    with contextlib.suppress(FileNotFoundError):  # deleted meanwhile
+                        out[entry.name] = entry.stat(follow_symlinks=False).st_mtime_ns
         except FileNotFoundError:
-            return []
+            return {}
         except OSError as error:
             raise StudioError(f"cannot list {self.root}: {error.strerror}") from error
+        return out
 
     def _examine(self, folder: Path) -> TakeInfo:
         edits = edit_log.read_edits(folder)
@@ -219,11 +221,6 @@ class SessionLibrary:
 class _Index(msgspec.Struct):
     version: int
     takes: dict[str, tuple[Key, TakeInfo]]
-
-
-def _key(folder: Path) -> Key:
-    """What changes when a take does: the folder's time (files come and go, edits touch it)."""
-    return [os.stat(folder).st_mtime_ns]
 
 
 def _is_recording(folder: Path) -> bool:
