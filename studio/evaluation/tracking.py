@@ -100,7 +100,7 @@ def _row(state: str, controller: str, seed: int, figures: dict[str, Array]) -> d
         "controller": controller,
         "seed": seed,
         "episodes": len(figures["success_time"]),
-        "commit": _commit(),
+        "commit": commit(),
     }
     for name, (key, unit) in _FIGURES.items():
         row[name] = unit(float(np.mean(figures[key])))
@@ -166,7 +166,8 @@ def _code() -> str:
     return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()
 
 
-def _commit() -> str:
+def commit() -> str:
+    """The repository's commit, "" outside one."""
     done = subprocess.run(
         ["git", "rev-parse", "--short=12", "HEAD"],
         capture_output=True,

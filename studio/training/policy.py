@@ -54,6 +54,7 @@ class PpoConfig:
     entropy: float = 0.0005
     max_grad_norm: float = 1.0
     init_std: float = 0.2
+    max_std: float = 0.3
     hidden: tuple[int, ...] = (256, 256)
     mirror: bool = True
 
@@ -80,6 +81,7 @@ class PolicyTraining:
     on from the run's checkpoint, or from `checkpoint`. out: where the weights go (default
     models/policy/STATE.safetensors when `publish`, always the run's folder). curriculum,
     randomise, mirror, yaw_rate, action: what the ablations switch. gate, patience: see Curriculum.
+    push: m/s, the largest kick (EnvConfig).
     """
 
     state: StateName
@@ -100,6 +102,7 @@ class PolicyTraining:
     motions_per_task: int = 40
     gate: float = 0.75
     patience: int = 800
+    push: float = 0.4
     checkpoint_seconds: float = 60.0
     ppo: PpoConfig = field(default_factory=PpoConfig)
 
@@ -176,6 +179,7 @@ def make_environment(
         threads=config.threads,
         observation=ObservationConfig(yaw_rate=config.yaw_rate),
         action=ActionConfig(mode=config.action),
+        push=config.push,
     )
     return ImitationEnv(settings, bank, seed=config.seed, curriculum=curriculum)
 
@@ -191,6 +195,7 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig) -> PPO:
     gaussian = {
         "class_name": "rsl_rl.modules.distribution:GaussianDistribution",
         "init_std": ppo.init_std,
+        "std_range": (0.02, ppo.max_std),
         "std_type": "log",
     }
     batch = env.num_envs * ppo.horizon
@@ -326,7 +331,7 @@ class PolicyTrainer:
             "samples_per_second": self.env.num_envs * self.ppo.horizon / spent,
             "collect_share": (collected - began) / spent,
             "learning_rate": self.alg.learning_rate,
-            "action_std": float(self.alg.actor.distribution.log_std_param.detach().exp().mean()),
+            "action_std": float(self.alg.actor.output_std.mean()),
             "stage": float(self.env.env.curriculum.level),
         }
 

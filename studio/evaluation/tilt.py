@@ -1,0 +1,54 @@
+"""How far the trunk tilts on each axis, standing and sitting, against what was asked."""
+
+from typing import Any
+
+import numpy as np
+
+from studio.evaluation.scripted import controllers, record
+from studio.evaluation.tracking import commit
+from studio.reference.intent import StateName
+from studio.reference.stances import tilt_of
+from studio.reference.tracks import frames_in, make_track
+
+AXES = ("roll", "pitch", "yaw")
+ASKED_DEG: dict[StateName, tuple[float, float, float]] = {
+    "stand": (40.0, 40.0, 40.0),
+    "sit": (7.5, 15.0, 3.5),
+}
+"""To either side of neutral: the paper's ±40 standing; 15, 30 and 7 degrees of range sitting."""
+RAMP, HOLD = 2.0, 3.0
+
+
+def run_tilt(seed: int = 0) -> dict[str, Any]:
+    """`{"rows": [...]}`: per state, axis, side and controller `commanded_deg`, `achieved_deg`."""
+    rows = []
+    for state, limits in ASKED_DEG.items():
+        cases = [(k, sign * limits[k]) for k in range(3) for sign in (-1.0, 1.0)]
+        length = frames_in(RAMP + HOLD)
+        share = np.minimum(np.arange(length) / 30.0 / RAMP, 1.0)
+        share = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+        tracks = []
+        for axis, angle in cases:
+            tilt = np.zeros((length, 3))
+            tilt[:, axis] = np.radians(angle) * share
+            tracks.append(make_track(state, "tilt", length, tilt=tilt))
+        for controller in controllers(state):
+            done = record(state, tracks, controller, seed=seed)
+            tilts = np.degrees(tilt_of(state, done.base_quat[-30:]))
+            for i, (axis, angle) in enumerate(cases):
+                asked = np.degrees(tilt_of(state, done.motions[i].base_quat[-1]))[axis]
+                rows.append(
+                    {
+                        "state": state,
+                        "axis": AXES[axis],
+                        "controller": controller,
+                        "seed": seed,
+                        "episodes": 1,
+                        "commit": commit(),
+                        "commanded_deg": angle,
+                        "reference_deg": float(asked),
+                        "achieved_deg": float(np.mean(tilts[:, i, axis])),
+                        "survived": bool(done.alive[-1, i]),
+                    }
+                )
+    return {"rows": rows}

@@ -1,0 +1,77 @@
+"""How fast the robot really walks and turns, against what was asked."""
+
+from typing import Any
+
+import numpy as np
+
+from studio import spatial
+from studio.evaluation.scripted import controllers, record
+from studio.evaluation.tracking import commit
+from studio.reference import gait
+from studio.reference.marching import Bout, march_track
+
+CASES = [(speed, 0.0) for speed in (0.0, 0.2, 0.4, 0.6, 0.8, 0.97)] + [
+    (speed, turn) for speed in (0.2, 0.4) for turn in (-15.0, 15.0)
+]
+"""Speed in m/s and turn in degrees a second."""
+SECONDS, SETTLE = 10.0, 3.0
+
+
+def _cadence(speed: float) -> float:
+    """The slowest of a few cadences at which a march reaches the speed."""
+    for cadence in (1.5, 1.7, 1.9, 2.1, 2.3):
+        if gait.march_speed(cadence, 1.0) >= speed + 0.02:
+            return cadence
+    return 2.3
+
+
+def run_walk(seed: int = 0) -> dict[str, Any]:
+    """`{"rows": [...]}` per speed, turn and controller, averaged from SETTLE s on.
+
+    commanded: of the reference motion; achieved: of the simulated robot. drift_share: how far off
+    the straight reference's end the robot is, over the way walked (turns: None).
+    """
+    tracks = []
+    for speed, turn in CASES:
+        cadence = _cadence(speed)
+        bout = Bout(
+            half_strides=int(np.ceil(2.0 * SECONDS * cadence)),
+            cadence=cadence,
+            lift=float(gait.march_lift(cadence, speed)),
+            turn=float(np.radians(turn)),
+        )
+        tracks.append(march_track("walk", SECONDS, [bout] if speed else []))
+    rows = []
+    start = round(SETTLE * 30.0)
+    span = SECONDS - SETTLE - 1.0 / 30.0
+    for controller in controllers("walk"):
+        done = record("walk", tracks, controller, seed=seed)
+        yaw = np.unwrap(spatial.heading(done.base_quat), axis=0)
+        for i, (speed, turn) in enumerate(CASES):
+            asked = done.motions[i]
+            way = np.diff(done.base_pos[start:, i, :2], axis=0)
+            middle = 0.5 * (yaw[start + 1 :, i] + yaw[start:-1, i])
+            forward = np.sum(np.cos(middle) * way[:, 0] + np.sin(middle) * way[:, 1])
+            asked_way = np.sum(np.linalg.norm(np.diff(asked.base_pos[start:, :2], axis=0), axis=-1))
+            asked_yaw = np.unwrap(spatial.heading(asked.base_quat))
+            gap = np.linalg.norm(
+                (done.base_pos[-1, i] - done.base_pos[0, i])[:2]
+                - (asked.base_pos[-1] - asked.base_pos[1])[:2]
+            )
+            total = np.sum(np.linalg.norm(np.diff(asked.base_pos[:, :2], axis=0), axis=-1))
+            rows.append(
+                {
+                    "case": f"{speed:g} m/s, {turn:g} deg/s",
+                    "controller": controller,
+                    "seed": seed,
+                    "episodes": 1,
+                    "commit": commit(),
+                    "commanded_m_s": float(asked_way / span),
+                    "achieved_m_s": float(forward / span),
+                    "commanded_deg_s": float(np.degrees(asked_yaw[-1] - asked_yaw[start]) / span),
+                    "achieved_deg_s": float(np.degrees(yaw[-1, i] - yaw[start, i]) / span),
+                    "drift_share": float(gap / total) if not turn and total > 0.5 else None,
+                    "survived": bool(done.alive[-1, i]),
+                }
+            )
+    return {"rows": rows}

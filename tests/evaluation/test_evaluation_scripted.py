@@ -1,0 +1,47 @@
+"""Scripted motions at nominal dynamics: the tables of tilt and walking speed."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.evaluation import scripted, tilt, walk
+from studio.reference.tracks import make_track
+
+
+@pytest.fixture(autouse=True)
+def _playback_alone(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(scripted, "MODELS", tmp_path)
+
+
+def test_standing_playback_tilts_as_far_as_it_is_asked() -> None:
+    length = 75
+    asked = np.zeros((length, 3))
+    asked[:, 0] = np.radians(15.0) * np.minimum(np.arange(length) / 30.0, 1.0)
+    done = scripted.record(
+        "stand", [make_track("stand", "tilt", length, tilt=asked)], "pd_playback"
+    )
+    assert done.alive.all()
+    assert done.base_quat.shape == (length - 1, 1, 4)
+    # A roll of 15 degrees: q = (cos 7.5°, sin 7.5°, 0, 0)
+    assert np.degrees(2.0 * np.arcsin(done.base_quat[-1, 0, 1])) == pytest.approx(15.0, abs=2.0)
+
+
+def test_tilt_has_a_row_for_each_state_axis_and_side() -> None:
+    rows = tilt.run_tilt()["rows"]
+    assert len(rows) == 2 * 3 * 2
+    stand = [r for r in rows if r["state"] == "stand"]
+    assert {abs(r["commanded_deg"]) for r in stand} == {40.0}
+    for row in stand:
+        assert row["survived"]
+        assert np.sign(row["achieved_deg"]) == np.sign(row["commanded_deg"])
+
+
+def test_walk_rows_compare_commanded_with_achieved() -> None:
+    rows = walk.run_walk()["rows"]
+    assert len(rows) == len(walk.CASES)
+    for row, (speed, turn) in zip(rows, walk.CASES, strict=True):
+        assert row["commanded_m_s"] == pytest.approx(speed, abs=0.04)
+        assert row["commanded_deg_s"] == pytest.approx(turn, abs=1.0)
+    fastest = next(r for r in rows if r["case"] == "0.97 m/s, 0 deg/s")
+    assert fastest["achieved_m_s"] > 0.3
