@@ -24,7 +24,9 @@ def show_take(sessions: Path, name: str) -> dict[str, Any]:
         "ticks": len(take),
         "problems": list(take.problems),
         "human_frames": 0 if take.human is None else len(take.human),
-        "state_seconds": {k: round(v * take.seconds / max(1, len(take)), 6) for k, v in states.items()},
+        "state_seconds": {
+            k: round(v * take.seconds / max(1, len(take)), 6) for k, v in states.items()
+        },
         "meta": take.meta,
     }
 
