@@ -39,7 +39,7 @@ MAX_SPEED = 0.97
 """m/s, the paper's fastest walk."""
 MAX_YAW_PER_STRIDE = 0.4
 """rad: so 15 degrees a second need at least 0.65 strides a second."""
-WAY_GAIN, TURN_GAIN = 0.25, 0.25
+WAY_GAIN, TURN_GAIN = 0.20, 0.15
 """m and rad per stride by which the way and the turn of a stride may grow from stride to stride: a
 foot is put down for the speed of the moment, and left behind when the body speeds up over it."""
 HALF_WIDTH = 0.1308
