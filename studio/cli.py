@@ -178,7 +178,7 @@ def _takes(argv: Sequence[str]) -> Answer:
     what, rest = argv[0], argv[1:]
     if what == "verify" and rest and not rest[0].startswith("-"):
         rest = ["--name", *rest]
-    answer = tyro.cli(
+    answer: Answer = tyro.cli(  # type: ignore[assignment]
         partial(known[what], Path(sessions or "sessions")),
         prog=f"a1-studio takes {what}",
         args=rest,

@@ -117,7 +117,7 @@ class Puppeteer:
             mapped = self.retargeter.step(self._human if self._age <= REUSE else None, CONTROL_DT)
         self._place_at_first_vote(mapped, orders)
         with self._section("controller"):
-            wanted = mapped.active if self.lock is None else self.lock
+            wanted: StateName = self.lock or mapped.active  # type: ignore[assignment]
             reference = mapped.reference if mapped.active == wanted else None
             control = self.controller.step(wanted, reference, orders.directive, orders.ramp)
         with self._section("policy"):

@@ -11,7 +11,7 @@ from studio import cli
 from studio.errors import StudioError
 
 
-def run(*argv, capsys=None):
+def run(*argv, capsys):
     """(exit status, stdout, stderr) of a command run in this process."""
     with pytest.raises(SystemExit) as stopped:
         cli.main(list(argv))

@@ -74,7 +74,7 @@ def run_drive(
             calibrate(source.calibration_poses()),
         )
         report = DriveReport()
-        sinks = [report.add]
+        sinks: list[Callable[[Tick], None]] = [report.add]
         if on_tick is not None:
             sinks.append(on_tick)
         if config.trace is not None:

@@ -194,7 +194,7 @@ class Controller:
             self._begin(self.state, self.state)
             self._rested = True
 
-    def _lifted(self) -> Array:
+    def _lifted(self) -> NDArray[np.bool_]:
         return feet_w(self._last)[:, 2] > IN_THE_AIR
 
     def _begin(self, goal: StateName, source: StateName) -> None:

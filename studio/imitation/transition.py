@@ -275,13 +275,13 @@ def _onto_feet(start: RobotPose, goal: RobotPose) -> list[Key]:
         return [(goal, _all("plant"), 0.5)]
     keys: list[Key] = []
     # A paw held up is put down before anything else moves.
-    groups = [tuple(np.flatnonzero(high))] if high.any() else []
-    groups += [tuple(leg for leg in pair if away[leg] and not high[leg]) for pair in DIAGONALS]
+    groups = [[leg for leg in range(4) if high[leg]]]
+    groups += [[leg for leg in pair if away[leg] and not high[leg]] for pair in DIAGONALS]
     groups = [group for group in groups if group]
     feet = now.copy()
     for i, group in enumerate(groups):
         feet = feet.copy()
-        feet[list(group)] = there[list(group)]
+        feet[group] = there[group]
         share = (i + 1) / len(groups)
         base_pos = (1.0 - share) * start.base_pos + share * goal.base_pos
         base_quat = spatial.quat_slerp(start.base_quat, goal.base_quat, share)

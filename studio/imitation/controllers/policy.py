@@ -1,36 +1,40 @@
-"""The trained policies: one expert a state, the destination's in a transition."""
-
-from pathlib import Path
+"""The trained policies: one expert a state, the destination's in a transition it was trained on."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
+from studio.imitation.policy import MODELS, Policy
 from studio.reference.intent import STATES, StateName
 from studio.robot.pose import ReferencePose, RobotState
-
-MODELS = Path(__file__).resolve().parents[3] / "models" / "policy"
 
 
 def trained() -> bool:
     """There is a policy for every state."""
-    return all((MODELS / f"{state}.safetensors").is_file() for state in STATES)
+    return all(
+        (MODELS / f"{state}{suffix}").is_file()
+        for state in STATES
+        for suffix in (".safetensors", ".json")
+    )
 
 
 class PolicyTracker:
-    """Remembers the observation history of the policy in charge."""
+    """Remembers the observation history of the policy in charge.
+
+    A policy whose sidecar does not say `"transitions": true` has never seen the way into its
+    state: there the planned joints go straight to the PD.
+    """
 
     name = "policy"
 
-    def __init__(self) -> None:
-        if not trained():
+    def __init__(self, policies: dict[StateName, Policy] | None = None) -> None:
+        """The shipped policies, or those given. StudioError where one is missing or damaged."""
+        if policies is None and not trained():
             raise StudioError(
                 "no trained policy for every state in models/policy: run `a1-studio train policy "
                 "--state stand|walk|sit`, or choose --controller pd_playback"
             )
-        from studio.imitation.policy import Policy
-
-        self._policies = {state: Policy.load(state) for state in STATES}
+        self._policies = policies or {state: Policy.load(state) for state in STATES}
         self._state: StateName | None = None
 
     def reset(self, reference: ReferencePose, robot: RobotState, state: StateName) -> None:
@@ -46,6 +50,10 @@ class PolicyTracker:
         in_transition: bool,
     ) -> NDArray[np.float64]:
         """(12,) rad: the PD target of `state`'s policy."""
+        policy = self._policies[state]
+        if in_transition and not policy.manifest.get("transitions", False):
+            self._state = None
+            return reference.joint_pos
         if state != self._state:
             self.reset(reference, robot, state)
-        return self._policies[state].action(reference, robot)
+        return policy.action(reference, robot)
