@@ -2,6 +2,10 @@
 
 Scanned and machined parts come open, with folds and coincident walls; what keeps them in shape is a
 penalty on open edges and a refusal to flip a triangle. Slow and careful: used once, at set-up.
+
+Why not a library: `fast-simplification` 0.2 on the same parts stops at 2 to 10 times the triangles
+asked for when gentle, and when not leaves surfaces 3 to 20 mm (thighs: 23 mm at every setting) from
+the original at the 99th percentile; this stays within 1.3 to 4 mm at the count asked for.
 """
 
 import heapq
