@@ -28,6 +28,9 @@ class ContactConfig:
     frame by which the root closes in on where the standing feet say it is; the rest of its motion
     is their mean displacement, so that it never jumps when the set of standing feet changes.
     slip: m; a locked foot that cannot be held closer than this is locked anew where it is.
+    regrip: m; a locked foot that is asked to be further than this from its anchor steps there, if
+    no more than one other foot is in the air: a swing that the contacts missed (infinite: never).
+    hop, hop_s: clearance (m) and duration (s) of that step.
     """
 
     on: float = 0.5
@@ -35,6 +38,9 @@ class ContactConfig:
     release: float = 0.1
     pull: float = 0.25
     slip: float = 0.015
+    regrip: float = math.inf
+    hop: float = 0.03
+    hop_s: float = 0.2
 
 
 class ContactLock:
@@ -55,6 +61,7 @@ class ContactLock:
         self.anchor_w = np.zeros((4, 3))
         self._offset = np.zeros((4, 3))  # from where a foot was asked to be to where it was, world
         self._since = np.full(4, np.inf)  # s since each foot locked or let go
+        self._hop_left = np.zeros(4)  # s that each foot's correcting step still takes
         self._arm_w: Array | None = None  # feet relative to the base, world axes, as asked last
 
     def step(
@@ -76,7 +83,10 @@ class ContactLock:
         cfg = self.config
         turn = scalars.matrix(base_quat.tolist())
         arm = kinematics.foot_pos_b(joint_pos) @ turn.T
-        want = contact_prob > np.where(self.locked, cfg.off, cfg.on)
+        self._hop_left = np.maximum(self._hop_left - dt, 0.0)
+        want = (contact_prob > np.where(self.locked, cfg.off, cfg.on)) & (self._hop_left <= 0.0)
+        if cfg.regrip < math.inf:
+            want = self._regrip(want, self.base_pos + arm)
         stance = self.locked & want
         let_go = self.locked & ~want
         before = self.base_pos
@@ -89,7 +99,8 @@ class ContactLock:
         fade = np.maximum(1.0 - self._since / cfg.release, 0.0)
         self._offset[let_go] = self.anchor_w[let_go] - asked[let_go]
         swing = asked + fade[:, None] * self._offset
-        swing[:, 2] = np.maximum(swing[:, 2], a1.FOOT_RADIUS)
+        hop = cfg.hop * np.sin(math.pi * self._hop_left / cfg.hop_s)
+        swing[:, 2] = np.maximum(swing[:, 2], a1.FOOT_RADIUS + hop)
 
         # A foot that locks above the floor settles on it, rather than dropping in one frame.
         self.anchor_w[landed] = swing[landed]
@@ -109,6 +120,18 @@ class ContactLock:
         arm = kinematics.foot_pos_b(joint_pos) @ scalars.matrix(base_quat.tolist()).T
         self.base_pos = _mean((self.anchor_w - arm)[self.locked])
         return self._settle_slips(self.base_pos + arm)
+
+    def _regrip(self, want: Bools, asked: Array) -> Bools:
+        """Contacts (4,) less the foot furthest from where it is asked to be, if it must step."""
+        if (~want).sum() > 1:
+            return want
+        away = np.where(want & self.locked, np.hypot(*(asked - self.anchor_w)[:, :2].T), 0.0)
+        worst = int(away.argmax())
+        if away[worst] > self.config.regrip:
+            self._hop_left[worst] = self.config.hop_s
+            want = want.copy()
+            want[worst] = False
+        return want
 
     def _carry_root(self, arm: Array, stance: Bools, dt: float, drift: Array | None) -> None:
         if not stance.any():

@@ -27,7 +27,7 @@ from studio.retarget.mapper import Mapper
 from studio.retarget.states import EXPERTS
 from studio.retarget.store import STYLES, style_dir
 from studio.training import checkpoint
-from studio.training.losses import LossWeights, Motion, mapper_loss
+from studio.training.losses import OURS, LossWeights, Motion, mapper_loss
 from studio.training.mapper_net import MapperNet
 from studio.training.operator_pairs import PairSet, performances
 from studio.training.selector_fit import fit_selector
@@ -53,12 +53,12 @@ class MapperTraining:
     seed: int = 0
     out: Path | None = None
     resume: bool = True
-    seconds: float = 1500.0
-    steps: int = 4000
+    seconds: float = 2400.0
+    steps: int = 2500
     batch: int = 256
-    hidden: int = 192
+    hidden: int = 128
     learning_rate: float = 2e-3
-    input_noise: float = 0.1
+    input_noise: float = 0.3
     selector_seconds: float = 2400.0
 
 
@@ -172,7 +172,7 @@ def fit_expert(
     config: MapperTraining,
     checkpoint_file: Path | None = None,
     tick: Tick | None = None,
-    weights: LossWeights | None = None,
+    weights: LossWeights = OURS,
 ) -> MapperNet:
     """Fit mapper and contact network of one expert to its pairs; resumable through a file."""
     net = new_net(state, pairs, config)
@@ -190,7 +190,7 @@ def fit_expert(
         noise = torch.randn((config.batch, x.shape[1]), generator=generator)
         motion, prob = net(x[rows] + config.input_noise * noise)
         target = Motion(**{k: getattr(label, k)[rows] for k in label.__dataclass_fields__})
-        loss = mapper_loss(motion, target, weights)["total"]
+        loss = mapper_loss(motion, target, weights, net.rate_scale)["total"]
         loss = loss + (prob - contact[rows]).square().sum(-1).mean()
         optimizer.zero_grad()
         loss.backward()

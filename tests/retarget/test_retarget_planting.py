@@ -1,0 +1,135 @@
+"""Planting: contact before temporal consistency, the root on its feet, heading only when walking."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from studio import spatial
+from studio.reference.stances import NEUTRAL, tilted
+from studio.retarget.mapper import NUM_RATES, RATES, Mapped
+from studio.retarget.planting import TURN_MAX, Planting
+from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
+from studio.retarget.states import EXPERTS
+from studio.robot import a1, kinematics
+
+DT = a1.CONTROL_DT
+
+
+def resting(state: str, **changes: np.ndarray) -> Mapped:
+    """What an expert says of somebody at rest, with some fields changed."""
+    pose = NEUTRAL[state]  # type: ignore[index]
+    mapped = Mapped(
+        joint_pos=pose.joint_pos,
+        base_quat=pose.base_quat,
+        rates=np.zeros(NUM_RATES),
+        contact_prob=pose.foot_contact,
+    )
+    return replace(mapped, **changes)
+
+
+@pytest.mark.parametrize("state", list(EXPERTS))
+def test_at_rest_every_state_stays_in_its_neutral_pose(state: str):
+    planting = Planting()
+    planting.start(state)  # type: ignore[arg-type]
+    for _ in range(60):
+        pose, clipped = planting.step(resting(state), DT)
+    np.testing.assert_allclose(pose.base_pos, NEUTRAL[state].base_pos, atol=1e-3)  # type: ignore[index]
+    np.testing.assert_allclose(pose.joint_pos, NEUTRAL[state].joint_pos, atol=1e-2)  # type: ignore[index]
+    assert not clipped
+    assert planting.slips == 0
+
+
+@pytest.mark.parametrize("state", list(EXPERTS))
+def test_no_joint_is_faster_than_its_expert_allows_whatever_the_network_says(state: str):
+    rng = np.random.default_rng(0)
+    planting = Planting()
+    planting.start(state)  # type: ignore[arg-type]
+    last = planting.last.joint_pos
+    cut = 0
+    for _ in range(60):
+        wild = resting(
+            state,
+            joint_pos=rng.uniform(a1.JOINT_LOWER, a1.JOINT_UPPER),
+            base_quat=spatial.normalize(rng.normal(size=4)),
+            contact_prob=rng.random(4),
+        )
+        pose, clipped = planting.step(wild, DT)
+        speed = np.abs(pose.joint_pos - last).max() / DT
+        assert speed <= EXPERTS[state].speed_limit + 1e-9  # type: ignore[index]
+        assert np.all(pose.joint_pos >= a1.JOINT_LOWER - 1e-9)
+        assert np.all(pose.joint_pos <= a1.JOINT_UPPER + 1e-9)
+        last = pose.joint_pos
+        cut += clipped
+    assert cut > 30
+
+
+def test_a_tilt_leaves_the_standing_feet_where_they_are():
+    planting = Planting()
+    before = kinematics.foot_pos_w(
+        planting.last.base_pos, planting.last.base_quat, planting.last.joint_pos
+    )
+    quat = tilted("stand", np.radians([8.0, 10.0, 12.0]))
+    for _ in range(60):
+        pose, _ = planting.step(resting("stand", base_quat=quat), DT)
+    feet = kinematics.foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos)
+    np.testing.assert_allclose(feet, before, atol=1e-3)
+    assert np.degrees(spatial.quat_angle(pose.base_quat, quat)) < 0.1
+
+
+def test_only_walking_turns_and_slow_turns_are_nobodys_wish():
+    for state, rate, turned in (("stand", 0.2, False), ("walk", 0.2, True), ("walk", 0.05, False)):
+        planting = Planting()
+        planting.start(state)  # type: ignore[arg-type]
+        rates = np.zeros(NUM_RATES)
+        rates[RATES["base_ang_vel"]] = [0.0, 0.0, rate]
+        air = np.zeros(4)  # nothing stands, so that nothing holds the heading back
+        for _ in range(90):
+            pose, _ = planting.step(resting(state, rates=rates, contact_prob=air), DT)
+        assert (spatial.heading(pose.base_quat) > 0.1) == turned
+
+
+def test_turning_is_never_faster_than_the_library_turns():
+    planting = Planting()
+    planting.start("walk")
+    rates = np.zeros(NUM_RATES)
+    rates[RATES["base_ang_vel"]] = [0.0, 0.0, 3.0]
+    for _ in range(90):
+        pose, _ = planting.step(resting("walk", rates=rates, contact_prob=np.zeros(4)), DT)
+    assert spatial.heading(pose.base_quat) <= 3.0 * TURN_MAX + 1e-6
+
+
+def test_going_on_from_elsewhere_keeps_place_and_heading():
+    planting = Planting()
+    there = replace(
+        NEUTRAL["stand"],
+        base_pos=np.array([1.0, -2.0, a1.STAND_HEIGHT]),
+        base_quat=spatial.quat_from_rpy([0.0, 0.0, 0.7]),
+    )
+    planting.continue_from(there, 0.7)
+    for _ in range(30):
+        pose, clipped = planting.step(resting("stand"), DT)
+    np.testing.assert_allclose(pose.base_pos, there.base_pos, atol=1e-3)
+    np.testing.assert_allclose(spatial.heading(pose.base_quat), 0.7, atol=1e-6)
+    assert not clipped
+
+
+def test_gain_scales_a_tilt_and_the_dead_zone_swallows_a_small_one():
+    neutral = NEUTRAL["sit"].base_quat
+    small, large = (tilted("sit", np.radians([0.0, deg, 0.0])) for deg in (2.0, 10.0))
+    gained = shape_tilt(large, neutral, RetargetSettings(tilt_gain=1.5))
+    # 10 degrees times 1.5; with a dead zone of 3 degrees 10 becomes 7 and 2 becomes nothing.
+    np.testing.assert_allclose(np.degrees(spatial.quat_angle(gained, neutral)), 15.0, atol=1e-6)
+    quiet = RetargetSettings(dead_zone=np.radians(3.0))
+    angles = [spatial.quat_angle(shape_tilt(q, neutral, quiet), neutral) for q in (small, large)]
+    np.testing.assert_allclose(np.degrees(angles), [0.0, 7.0], atol=1e-6)
+
+
+def test_the_speed_cap_shortens_strides_in_proportion():
+    feet = kinematics.foot_pos_b(a1.STAND_JOINT_POS)
+    feet[:, 0] += [0.08, -0.08, -0.08, 0.08]
+    stride = kinematics.leg_ik(feet)[0]
+    capped = kinematics.foot_pos_b(cap_stride(stride, 0.8, RetargetSettings(speed_cap=0.4)))
+    home = kinematics.foot_pos_b(a1.STAND_JOINT_POS)
+    np.testing.assert_allclose(capped[:, 0] - home[:, 0], [0.04, -0.04, -0.04, 0.04], atol=1e-3)
+    np.testing.assert_array_equal(cap_stride(stride, 0.3, RetargetSettings(speed_cap=0.4)), stride)
