@@ -6,37 +6,35 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio.mocap.performer import signals as sig
+from studio.mocap.performer.filters import bell
 from studio.mocap.performer.signals import DT
+from studio.reference import gait
 from studio.reference.intent import StateName
-from studio.reference.marching import Bout, march_track
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Beat:
-    """A stretch of the tour: it rises to `goal`, holds it, and is back at rest by its end.
+    """A stretch of the tour, of one library task.
 
-    task: the library task it shows. goal: fields of Intent, tilts in degrees. hold: share of the
-    stretch that the goal is kept. bout: the march of a walking beat, whose length it sets.
+    goal: fields of Intent, tilts in degrees. Standing and sitting rise to it, hold it for the share
+    `hold` of the stretch, and are back at rest by its end; walking goes on from beat to beat.
     """
 
     state: StateName
     task: str
-    seconds: float = 0.0
+    seconds: float
     goal: dict[str, ArrayLike] = field(default_factory=dict)
-    hold: float = 0.3
-    bout: Bout | None = None
+    hold: float = 0.15
 
 
 def _stand(seconds: float, task: str, **goal: ArrayLike) -> Beat:
     return Beat(state="stand", task=task, seconds=seconds, goal=goal)
 
 
-def _walk(task: str, cadence: float, half_strides: int, **rest: float) -> Beat:
-    bout = Bout(cadence=cadence, half_strides=half_strides, lift=rest.pop("lift", 0.45), **rest)
-    seconds = 0.5 * half_strides / cadence + bout.ramp + bout.pause
-    return Beat(state="walk", task=task, seconds=seconds, bout=bout)
+def _walk(seconds: float, task: str, **goal: ArrayLike) -> Beat:
+    return Beat(state="walk", task=task, seconds=seconds, goal=goal)
 
 
 def _sit(seconds: float, task: str, **goal: ArrayLike) -> Beat:
@@ -44,55 +42,90 @@ def _sit(seconds: float, task: str, **goal: ArrayLike) -> Beat:
 
 
 TOUR: tuple[Beat, ...] = (
-    _stand(1.0, "quiet"),
-    _stand(1.2, "tilt", tilt=(0, 25, 0)),
-    _stand(1.0, "tilt", tilt=(0, -18, 0)),
-    _stand(1.1, "tilt", tilt=(22, 0, 0)),
-    _stand(1.1, "tilt", tilt=(-22, 0, 0)),
-    _stand(1.1, "tilt", tilt=(0, 0, 28)),
-    _stand(1.1, "tilt", tilt=(0, 0, -28)),
-    _stand(1.4, "crouch", crouch=1.0),
-    _stand(1.7, "manipulate_right", reach=(0.9, 0.0)),
-    _stand(1.7, "manipulate_left", reach=(0.0, 0.9)),
-    _stand(2.0, "tilt_manipulate", reach=(0.7, 0.0), tilt=(0, -12, 12)),
-    _stand(0.4, "quiet"),
-    _walk("walk", 0.8, 6),
-    _walk("walk", 1.5, 9),
-    _walk("march", 0.6, 2, lift=0.8, pause=0.3),
-    _walk("turn", 0.9, 3, turn=0.24),
-    _walk("turn", 0.9, 3, turn=-0.24),
-    _sit(3.2, "sit_quiet"),
-    _sit(1.3, "sit_tilt", tilt=(0, 13, 0)),
-    _sit(1.3, "sit_tilt", tilt=(6, -8, 0)),
+    _stand(0.8, "quiet"),
+    _stand(1.2, "tilt", tilt=(0, 22, 0)),
+    _stand(1.0, "tilt", tilt=(0, -16, 0)),
+    _stand(1.0, "tilt", tilt=(18, 0, 0)),
+    _stand(1.0, "tilt", tilt=(-18, 0, 0)),
+    _stand(1.0, "tilt", tilt=(0, 0, 22)),
+    _stand(1.0, "tilt", tilt=(0, 0, -22)),
+    _stand(1.2, "crouch", crouch=1.0),
+    _stand(2.3, "manipulate_right", reach=(0.9, 0.0)),
+    _stand(2.3, "manipulate_left", reach=(0.0, 0.9)),
+    _stand(2.3, "tilt_manipulate", reach=(0.7, 0.0), tilt=(0, -12, 12)),
+    _stand(0.3, "quiet"),
+    _walk(3.7, "walk", cadence=0.8, lift=0.5),
+    _walk(2.6, "walk", cadence=1.4, lift=0.35),
+    _walk(2.4, "turn", cadence=0.9, lift=0.4, turn=0.22),
+    _walk(2.4, "turn", cadence=0.9, lift=0.4, turn=-0.22),
+    _walk(1.8, "march", cadence=0.6, lift=0.9),
+    _sit(4.0, "sit_quiet"),
+    _sit(1.6, "sit_tilt", tilt=(0, 9, 0)),
+    _sit(1.6, "sit_tilt", tilt=(5, -8, 0)),
     _sit(2.6, "sit_manipulate", reach=(0.8, 0.8)),
-    _stand(1.5, "quiet"),
+    _stand(1.6, "quiet"),
 )
 """Where the robot changes state it takes one to three seconds, so each state is kept for longer."""
+
+_PACE_S = 0.6  # s for a change of pace or direction while walking
 
 
 def tour_signal() -> tuple[Array, list[str]]:
     """(T, NUM) signal at 30 Hz of the whole tour and, per frame, the task it shows."""
     rows, tasks = [], []
+    walking = [beat for beat in TOUR if beat.state == "walk"]
     for beat in TOUR:
-        block = _march(beat.task, beat.bout) if beat.bout else _held(beat)
-        rows.append(block)
-        tasks += [beat.task] * len(block)
+        if beat.state != "walk":
+            rows.append(_held(beat))
+        elif beat is walking[0]:
+            rows.append(_walked(walking))
+        tasks += [beat.task] * _frames(beat)
     return np.concatenate(rows), tasks
 
 
-def _march(task: str, bout: Bout) -> Array:
-    seconds = 0.5 * bout.half_strides / bout.cadence + bout.ramp + bout.pause
-    return sig.of_track(march_track(task, seconds, [bout], lead=0.0))
+def _frames(beat: Beat) -> int:
+    return round(beat.seconds / DT)
 
 
-def _held(beat: Beat) -> Array:
-    steps = round(beat.seconds / DT)
+def _goal(beat: Beat) -> Array:
     goal = np.zeros(sig.NUM)
     goal[sig.TILT] = np.radians(np.asarray(beat.goal.get("tilt", (0, 0, 0)), dtype=float))
     goal[sig.REACH] = beat.goal.get("reach", (0.0, 0.0))
-    goal[sig.CROUCH] = beat.goal.get("crouch", 0.0)
+    for name, column in (("crouch", sig.CROUCH), ("turn", sig.TURN), ("lift", sig.LIFT)):
+        goal[column] = beat.goal.get(name, 0.0)
+    goal[sig.CADENCE] = beat.goal.get("cadence", 0.0)
+    return goal
+
+
+def _held(beat: Beat) -> Array:
+    steps = _frames(beat)
     u = (np.arange(steps) + 1.0) / steps
     ramp = 0.5 * (1.0 - beat.hold)
-    block = sig.smoothstep(np.minimum(u, 1.0 - u) / ramp)[:, None] * goal
-    block[:, sig.WALK], block[:, sig.SIT] = beat.state == "walk", beat.state == "sit"
+    block = sig.smoothstep(np.minimum(u, 1.0 - u) / ramp)[:, None] * _goal(beat)
+    block[:, sig.SIT] = beat.state == "sit"
+    return block
+
+
+def _walked(beats: list[Beat]) -> Array:
+    """One walk from standing to standing, changing pace on the way; it ends on whole steps."""
+    goals = np.concatenate([np.tile(_goal(beat), (_frames(beat), 1)) for beat in beats])
+    kernel = bell(_PACE_S, DT, "minimum_jerk")
+    half = len(kernel) // 2
+    rest = np.zeros((half, sig.NUM))
+
+    def eased(rows: Array, before: Array, after: Array) -> Array:
+        padded = np.concatenate([before, rows, after])
+        smooth = [np.convolve(column, kernel, "same") for column in padded.T]
+        return np.stack(smooth, axis=-1)[half:-half]
+
+    # The legs are at full tempo from the first step to the last; lift and turn come and go.
+    block = eased(goals, rest, rest)
+    edges = np.repeat(goals[:1], half, axis=0), np.repeat(goals[-1:], half, axis=0)
+    cadence = eased(goals, *edges)[:, sig.CADENCE]
+    strides = np.sum(cadence) * DT
+    cadence *= 0.5 * round(2.0 * strides) / strides
+    turn = np.clip(block[:, sig.TURN], -gait.max_turn(cadence), gait.max_turn(cadence))
+    block[:, sig.CADENCE], block[:, sig.TURN], block[:, sig.WALK] = cadence, turn, 1.0
+    block[:, sig.PHASE] = gait.REST_PHASE + np.cumsum(cadence) * DT
+    block[:, sig.SPEED] = gait.march_speed(cadence, block[:, sig.LIFT], turn)
     return block

@@ -15,6 +15,7 @@ def act(
     person: Person,
     s: Array,
     tempo: Array,
+    walk: Array,
     pace: Array,
     body_sway: Array,
     arm_sway: Array,
@@ -24,11 +25,11 @@ def act(
 ) -> tuple[Posture, Array]:
     """Posture of T frames of signal `s` (T, NUM), and (T, 2) how idle each arm is (right, left).
 
-    tempo: (T,) strides per second of the march as a whole. pace: (T,) in [0, 1], how much of a
-    marcher's carriage has been taken up. The others are those of `idle.Sway` and `idle.Fidgets`.
+    tempo: (T,) strides per second of the march as a whole. walk, pace: (T,) in [0, 1], how much
+    of a marcher's steps, and of a marcher's carriage, has been taken up. The others are
+    those of `idle.Sway` and `idle.Fidgets`.
     """
     h = person.habits
-    walk = marching(s)
     sit = s[:, sig.SIT]
     phase = s[:, sig.PHASE] + h.timing * beat
     bell, march = _steps(h, s, tempo, walk, phase)

@@ -18,6 +18,7 @@ from studio.mocap.performer.signals import DT
 from studio.reference.intent import Intent, IntentTrack
 
 Array = NDArray[np.float64]
+_SETTLE_S = 0.27  # s in which a foot in the air is put down when a march stops
 _CARRIAGE_S = 0.7  # s in which the arms and the trunk take up a marcher's carriage
 
 
@@ -59,6 +60,7 @@ class Performer:
         self._follow = Fir(person.follow_kernel())
         self._change = Fir(np.concatenate([wait, bell(h.change_s, DT, h.profile)]))
         self._tempo = Tempo()
+        self._settle = Fir(bell(_SETTLE_S, DT, h.profile))
         self._carriage = Fir(bell(_CARRIAGE_S, DT, h.profile))
         self._last_phase: float | None = None
         self._strides = 0.0
@@ -70,13 +72,15 @@ class Performer:
         """
         steps = len(signal)
         s = signal.copy()
-        s[:, sig.PHASE] = self._unwrap(signal[:, sig.PHASE])
+        s[:, sig.PHASE] = self._unwrap(signal[:, sig.PHASE], signal[:, sig.WALK])
         states = self._change(s[:, [sig.WALK, sig.SIT]])
         s = self._follow(s)
         s[:, [sig.WALK, sig.SIT]] = states
         tempo = self._tempo(s[:, sig.CADENCE])
-        pace = self._carriage(marching(s))
-        posture, idle = act(self.person, s, tempo, pace, *self._sway(steps), *self._fidgets(steps))
+        legs, pace = self._settle(marching(s)), self._carriage(marching(s))
+        posture, idle = act(
+            self.person, s, tempo, legs, pace, *self._sway(steps), *self._fidgets(steps)
+        )
         true = joints(self.person.body, posture)
         half = 0.5 * self.person.habits.facing
         true = spatial.quat_rotate(np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), true)
@@ -88,14 +92,18 @@ class Performer:
         seen, confidence, _, _ = self.advance(sig.of_intents([intent]))
         return HumanPose(t=t, joint_pos_w=seen[0], confidence=confidence[0])
 
-    def _unwrap(self, phase: Array) -> Array:
-        """Strides without jumps: a track that starts its phase anew is met at the same fraction."""
-        last = phase[0] if self._last_phase is None else self._last_phase
-        steps = np.diff(phase, prepend=last)
-        strides = self._strides + np.cumsum(steps - np.round(steps))
+    def _unwrap(self, phase: Array, walk: Array) -> Array:
+        """Strides without jumps: a track that starts its phase anew is met at the same fraction.
+
+        Whatever the phase says while nobody walks, the feet make nothing of it.
+        """
         if self._last_phase is None:
-            strides = strides + phase[0]
-        self._last_phase, self._strides = float(phase[-1]), float(strides[-1])
+            self._strides = self._last_phase = float(phase[0])
+        walked = np.maximum.accumulate(np.where(walk > 0.5, np.arange(len(phase)), -1))
+        held = np.where(walked >= 0, phase[walked], self._last_phase)
+        steps = np.diff(held, prepend=self._last_phase)
+        strides: Array = self._strides + np.cumsum(steps - np.round(steps), dtype=np.float64)
+        self._last_phase, self._strides = float(held[-1]), float(strides[-1])
         return strides
 
 

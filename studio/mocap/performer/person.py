@@ -212,7 +212,7 @@ def _habits(rng: np.random.Generator) -> Habits:
         step_shape=u(0.75, 1.2),
         step_skew=u(0.85, 1.15),
         step_asymmetry=1.0 + np.clip(rng.normal(0.0, 0.06, 2), -0.15, 0.15),
-        swing_share=u(0.42, 0.53),
+        swing_share=u(0.40, 0.47),
         swing_s=u(0.8, 1.8),
         jog_flight=u(0.0, 0.12),
         shin_back=deg(-12, 25),
