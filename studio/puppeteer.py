@@ -1,7 +1,8 @@
 """THE FLOW ON ONE PAGE: a HumanPose in, one control period of the robot out, as a Tick.
 
-    puppeteer = Puppeteer()
-    for pose in source:
+    source = open_source("bvh:march.bvh")
+    puppeteer = Puppeteer(calibration=calibrate(source.calibration_poses()))
+    for pose in poses(source):
         tick = puppeteer.step(pose)
 
 Live is this plus a clock (`live.loop`); a headless drive and every table are this without one.

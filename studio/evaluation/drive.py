@@ -6,13 +6,14 @@ import logging
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import IO, Any
 
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport, trace_line
 from studio.human.calibration import calibrate
-from studio.mocap import Source, SourceEnded, open_source
+from studio.mocap import Source, open_source, poses
 from studio.puppeteer import FOLLOW, Orders, Puppeteer, PuppeteerConfig
 from studio.recording.recorder import Recorder
 from studio.recording.tick import Tick
@@ -105,11 +106,7 @@ def drive(
 ) -> Iterator[Tick]:
     """Ticks until the source ends, `seconds` have passed, or the robot has fallen."""
     began, age = time.perf_counter(), float("inf")
-    for k in range(round(seconds / CONTROL_DT)):
-        try:
-            human = source.read(k * CONTROL_DT)
-        except SourceEnded:
-            return
+    for k, human in enumerate(islice(poses(source), round(seconds / CONTROL_DT))):
         age = 0.0 if human is not None else age + CONTROL_DT
         tick = puppeteer.step(human, guard(age) if guard else FOLLOW)
         yield tick

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from studio.errors import StudioError, unknown_name
-from studio.mocap.source import Source, SourceEnded
+from studio.mocap.source import Source, SourceEnded, poses
 
-__all__ = ["SOURCES", "Source", "SourceEnded", "SourceKind", "open_source"]
+__all__ = ["SOURCES", "Source", "SourceEnded", "SourceKind", "open_source", "poses"]
 
 
 DEFAULT_SESSIONS = Path("sessions")

@@ -1,11 +1,13 @@
 """What every source of human motion is: a name, a clock of its own, and `read(t)`."""
 
+from collections.abc import Iterator
+from itertools import count
 from typing import Protocol, runtime_checkable
 
 from studio.human.pose import HumanPose
 
 
-class SourceEnded(Exception):  # noqa: N818  (an event, not an error)
+class SourceEnded(Exception):
     """Raised by `Source.read` once the last pose has been given."""
 
 
@@ -41,3 +43,12 @@ class Source(Protocol):
     def close(self) -> None:
         """Free what is held; idempotent."""
         ...
+
+
+def poses(source: Source, rate: float = 30.0) -> Iterator[HumanPose | None]:
+    """What a source has to give in each control period, None where that is nothing, to its end."""
+    for k in count():
+        try:
+            yield source.read(k / rate)
+        except SourceEnded:
+            return

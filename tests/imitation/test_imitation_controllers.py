@@ -50,7 +50,9 @@ def standing() -> tuple[ReferencePose, RobotState]:
     return with_velocity(NEUTRAL["stand"], NEUTRAL["stand"]), World().reset(NEUTRAL["stand"])
 
 
-def test_every_controller_gives_twelve_finite_angles_in_every_state(standing):
+def test_every_controller_gives_twelve_finite_angles_in_every_state(
+    standing: tuple[ReferencePose, RobotState],
+):
     reference, robot = standing
     for name in CONTROLLERS:
         if name == "policy" and not policy_room.trained():
@@ -81,27 +83,33 @@ def test_an_unknown_controller_is_answered_with_the_known_ones():
         controllers.open_controller("telekinesis")
 
 
-def test_a_policys_residual_is_added_to_the_reference(standing):
+def test_a_policys_residual_is_added_to_the_reference(standing: tuple[ReferencePose, RobotState]):
+    reference, robot = standing
     tracker = PolicyTracker(policies_of_every_state())
-    action = tracker.act(*standing, "stand", False)
+    action = tracker.act(reference, robot, "stand", False)
     # 0.1 * scale 0.25 = 0.025 rad on every joint
-    np.testing.assert_allclose(action, standing[0].joint_pos + 0.025, atol=1e-6)
+    np.testing.assert_allclose(action, reference.joint_pos + 0.025, atol=1e-6)
 
 
-def test_the_destinations_policy_acts_in_a_transition_only_if_it_was_trained_on_them(standing):
+def test_the_destinations_policy_acts_in_a_transition_only_if_it_was_trained_on_them(
+    standing: tuple[ReferencePose, RobotState],
+):
+    reference, robot = standing
     policies = policies_of_every_state(sit=a_policy("sit", transitions=True))
     tracker = PolicyTracker(policies)
-    reference = standing[0]
-    np.testing.assert_array_equal(tracker.act(*standing, "walk", True), reference.joint_pos)
-    into_sit = tracker.act(*standing, "sit", True)
+    np.testing.assert_array_equal(tracker.act(reference, robot, "walk", True), reference.joint_pos)
+    into_sit = tracker.act(reference, robot, "sit", True)
     np.testing.assert_allclose(into_sit, reference.joint_pos + 0.025, atol=1e-6)
 
 
-def test_a_policy_that_takes_over_begins_with_a_history_of_the_present(standing):
+def test_a_policy_that_takes_over_begins_with_a_history_of_the_present(
+    standing: tuple[ReferencePose, RobotState],
+):
+    reference, robot = standing
     policies = policies_of_every_state()
     tracker = PolicyTracker(policies)
     for _ in range(5):
-        tracker.act(*standing, "stand", False)
-    tracker.act(*standing, "walk", False)
+        tracker.act(reference, robot, "stand", False)
+    tracker.act(reference, robot, "walk", False)
     history = policies["walk"].history
     np.testing.assert_allclose(history.z[0], np.tile(history.z[0, -1], (4, 1)))
