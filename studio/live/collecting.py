@@ -1,0 +1,269 @@
+"""Collect mode in the loop: the state machine's steps become a figure shown and takes on disk."""
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studio.errors import StudioError
+from studio.human.calibration import Calibration
+from studio.live.clerk import Clerk
+from studio.live.collect import ACTIONS, Collect, CollectPlan, Slot, Step
+from studio.live.shown import QUIET_S, Place, PlanItem, at_rest, draw_motion
+from studio.mocap import Source
+from studio.mocap.follower import FollowingOperator
+from studio.recording import edits
+from studio.recording.names import take_folder
+from studio.recording.recorder import Recorder
+from studio.recording.sessions import SessionBook, session_name
+from studio.reference.intent import Intent, StateName
+from studio.robot.a1 import CONTROL_DT
+from studio.robot.pose import ReferencePose, RobotPose
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shown:
+    """What a person is shown in one control period: the pose, its state, and what is meant."""
+
+    state: StateName
+    pose: ReferencePose
+    intent: Intent
+
+
+def draw_slots(items: tuple[PlanItem, ...], seed: int, first: int = 0) -> list[Slot]:
+    """The takes of a plan, each with a motion of its own. first: takes that were drawn before.
+
+    Takes some 0.2 s a take: never on the loop's thread.
+    """
+    slots = []
+    for item in items:
+        item.checked()
+        for number in range(1, item.takes + 1):
+            motion = draw_motion(item, (seed, first + len(slots)))
+            slots.append(Slot(item=item, number=number, motion=motion))
+    return slots
+
+
+class Collector:
+    """Remembers the plan, the place of the figure and the take. Only the loop's thread calls it."""
+
+    def __init__(self, root: Path, recorder: Recorder) -> None:
+        self.root, self.recorder = Path(root), recorder
+        self.machine = Collect()
+        self.clerk = Clerk()
+        self.take: str | None = None  # the one being recorded, or to be judged
+        self.kept: list[str] = []
+        self.rejected: list[str] = []
+        self.why = ""
+        self._place = Place()
+        self._book = SessionBook(root)
+        self._own = False
+
+    # What is asked ------------------------------------------------------------------------------
+
+    def begin(self, plan: CollectPlan, slots: list[Slot]) -> None:
+        """Start on a plan. StudioError while a take is recorded."""
+        self.machine.begin(plan, slots)
+        self.take, self.why = None, ""
+
+    def act(self, action: str) -> dict[str, Any]:
+        """One of collect.ACTIONS; what became of which take."""
+        machine = self.machine
+        if action == "go" and self.recorder.recording is not None:
+            raise StudioError(f"take {self.recorder.recording} is being recorded: stop it first")
+        judges = machine.phase == "review" and action in ("keep", "redo", "next")
+        machine.act(action)
+        self.why = ""
+        if not judges or self.take is None:
+            return {}
+        return self._judge(action)
+
+    def abort(self, why: str) -> None:
+        """Something else needs the robot: a running take is thrown away."""
+        if self.machine.phase in ("preview", "countdown", "record"):
+            self.why = why
+            self.machine.abort()
+            if self._own:
+                self._throw_away()
+
+    # One control period -------------------------------------------------------------------------
+
+    def step(self, pose: RobotPose, facing: float, resting: bool) -> tuple[Shown, Step]:
+        """Go on. pose, facing (rad): of the robot's reference; resting: it follows nobody, so that
+        what is shown goes on from there."""
+        step = self.machine.step()
+        if resting or step.frame == 0:
+            self._place.stand_at(pose, facing)
+        shown = step.motion.poses[step.frame] if step.motion and step.frame is not None else None
+        if step.phase == "review" and step.motion is not None:
+            shown = step.motion.poses[-1]  # until somebody decides, it stays where it ended
+        at = self._place.of(shown or at_rest(step.state))
+        return Shown(state=step.state, pose=at, intent=step.intent), step
+
+    def write(self, step: Step, about: dict[str, Any], calibration: Calibration) -> None:
+        """Begin or end the take as the step says."""
+        if step.event == "start":
+            self._start(step, about, calibration)
+        elif step.event == "stop" and self._own:
+            self._own = False
+            if self.recorder.recording is not None:
+                self.take = self.recorder.stop()["name"]
+            else:  # the disk gave out; what was recorded is kept
+                self.why = "the recording was cut short: is the disk full?"
+        elif step.event == "abort" and self._own:
+            self._throw_away()
+        if step.event == "" and step.phase in ("ready", "done") and self.take is not None:
+            self._judge("keep")  # hands free: the review's time was over
+
+    def _start(self, step: Step, about: dict[str, Any], calibration: Calibration) -> None:
+        slot, plan = self.machine.slot, self.machine.plan
+        assert slot is not None
+        collected = {
+            "task": slot.item.task,
+            "state": slot.motion.state,
+            "operator": plan.operator,
+            "session": session_name(plan.operator, datetime.now().astimezone().date()),
+            "number": slot.number,
+            "try": slot.tries,
+            "difficulty": slot.item.difficulty,
+            "quiet_s": QUIET_S,
+        }
+        try:
+            name = self.recorder.start(
+                slot.item.task,
+                about={**about, "collect": collected, "calibration": as_calibration(calibration)},
+            )
+        except StudioError as error:
+            self.why = str(error)
+            self.machine.abort()
+            return
+        self.take, self._own = name, True
+        self.clerk.do(
+            lambda: self._book.add(
+                plan.operator, name, notes=plan.notes, calibration=as_calibration(calibration)
+            )
+        )
+
+    def _throw_away(self) -> None:
+        self._own = False
+        if self.recorder.recording is not None:
+            self.take = self.recorder.stop()["name"]
+            self._judge("redo", "aborted")
+
+    def _judge(self, action: str, note: str | None = None) -> dict[str, Any]:
+        name, self.take = self.take, None
+        assert name is not None
+        if action == "next":
+            return {"take": name, "keep": None}
+        keep = action == "keep"
+        (self.kept if keep else self.rejected).append(name)
+        changes: dict[str, Any] = {"keep": keep} | ({"note": note} if note else {})
+        folder = take_folder(self.root, name)
+        self.clerk.do(lambda: edits.edit(folder, **changes))
+        return {"take": name, "keep": keep}
+
+    def close(self) -> None:
+        """End the disk work."""
+        self.clerk.close()
+
+    # For the page -------------------------------------------------------------------------------
+
+    def as_dict(self) -> dict[str, Any]:
+        """The key `collect` of GET /api/state."""
+        machine = self.machine
+        slot, remaining = machine.slot, machine.remaining
+        out: dict[str, Any] = {
+            "phase": machine.phase,
+            "t": round(machine.t, 3),
+            "remaining": None if remaining is None else round(remaining, 3),
+            "operator": machine.plan.operator,
+            "notes": machine.plan.notes,
+            "hands_free": machine.plan.hands_free,
+            "actions": list(ACTIONS),
+            "done": sum(bool(s.verdict) for s in machine.slots),
+            "total": len(machine.slots),
+            "take": self.take,
+            "kept": self.kept[-200:],
+            "rejected": self.rejected[-200:],
+            "why": self.why or self.clerk.problem,
+            "plan": _plan(machine.slots),
+        }
+        if slot is not None:
+            out |= {
+                "task": slot.item.task,
+                "state": slot.motion.state,
+                "number": slot.number,
+                "takes": slot.item.takes,
+                "try": slot.tries,
+                "prompt": slot.motion.prompt,
+                "seconds": round(slot.motion.seconds, 3),
+                "quiet_s": QUIET_S,
+                "beats": list(slot.motion.beats),
+            }
+        return out
+
+
+def _plan(slots: list[Slot]) -> list[dict[str, Any]]:
+    """Runs of the same item: task, takes, how many are kept or skipped."""
+    rows: list[dict[str, Any]] = []
+    last: PlanItem | None = None
+    for slot in slots:
+        if slot.item is not last:
+            rows.append({"task": slot.item.task, "seconds": slot.item.seconds, "takes": 0})
+            rows[-1] |= {"kept": 0, "skipped": 0}
+            last = slot.item
+        rows[-1]["takes"] += 1
+        if slot.verdict:
+            rows[-1][slot.verdict] += 1
+    return rows
+
+
+def as_calibration(calibration: Calibration) -> dict[str, Any]:
+    """A calibration as JSON values: heading rad, bone_length (18,) m, seconds."""
+    return {
+        "heading": round(float(calibration.heading), 5),
+        "bone_length": np.round(calibration.bone_length, 4).tolist(),
+        "leg_length": round(float(calibration.leg_length), 4),
+        "seconds": round(float(calibration.seconds), 2),
+    }
+
+
+class Acting:
+    """The synthetic person acts out what is shown while collecting, and then goes on as before."""
+
+    def __init__(self) -> None:
+        self._before: Source | None = None
+        self._before_t = 0.0
+
+    def enter(self, source: Source, t: float, make: Callable[[], FollowingOperator]) -> Source:
+        """The source to collect from: a person who follows, in place of the built-in operator.
+
+        t: s since `source` began, where it will go on.
+        """
+        if not source.name.startswith("operator") or isinstance(source, FollowingOperator):
+            return source
+        self._before, self._before_t = source, t
+        return make()
+
+    def leave(self, source: Source) -> tuple[Source, float | None]:
+        """The source from before, and its time (s); None when it was never replaced."""
+        before, self._before = self._before, None
+        if before is None:
+            return source, None
+        source.close()
+        return before, self._before_t
+
+    def forget(self) -> None:
+        """Another source was chosen meanwhile."""
+        if self._before is not None:
+            self._before.close()
+            self._before = None
+
+
+__all__ = ["CONTROL_DT", "Acting", "Collector", "Shown", "as_calibration", "draw_slots"]
