@@ -173,6 +173,7 @@ def fit_expert(
     checkpoint_file: Path | None = None,
     tick: Tick | None = None,
     weights: LossWeights = OURS,
+    save_every: int = 500,
 ) -> MapperNet:
     """Fit mapper and contact network of one expert to its pairs; resumable through a file."""
     net = new_net(state, pairs, config)
@@ -196,7 +197,7 @@ def fit_expert(
         loss.backward()
         torch.nn.utils.clip_grad_norm_(net.parameters(), 5.0)
         optimizer.step()
-        if step % 500 == 499 and checkpoint_file is not None:
+        if (step + 1) % save_every == 0 and checkpoint_file is not None:
             tensors = {**net.state_dict(), **checkpoint.flatten_optimizer(optimizer)}
             checkpoint.save(checkpoint_file, tensors, {"step": step + 1, "config": _json(identity)})
         if tick and step % 20 == 19:

@@ -81,7 +81,8 @@ def performances(
     """Performances of a state's tasks by ever new people, until there are `seconds` of them.
 
     Every second one is also given mirrored. Short ones, so that there are many people: with a
-    fifth as many an expert errs twice as much on new people as on those it knows. family: see `Person.sample`.
+    quarter as many, an expert erred twice as much on new people as on those it knew.
+    family: see `Person.sample`.
     """
     tasks = [name for name, task in TASKS.items() if task.state == state]
     emphasis = EXPERTS[state].emphasis

@@ -1,4 +1,4 @@
-"""Planting: contact before temporal consistency, the root on its feet, heading only when walking."""
+"""Planting: contact before temporal consistency, the root on its feet, turns only in walking."""
 
 from dataclasses import replace
 
