@@ -142,7 +142,7 @@ def test_what_is_shown_begins_and_ends_quiet_and_is_within_the_robots_limits(tas
     # A walk ends with its feet down, not each straight under its hip.
     for rest, near in ((motion.joint_pos[:quiet], 1e-6), (motion.joint_pos[-quiet + 1 :], 0.4)):
         assert np.ptp(rest, axis=0).max() < 1e-6
-        assert np.abs(rest[0] - neutral).max() < (near if track.state == "walk" else 1e-6)
+        assert np.abs(rest[0] - neutral).max() < (near if track.state == "walk" else 1e-3)
     assert motion.foot_contact[-1].min() == (0.0 if track.state == "sit" else 1.0)
 
 
