@@ -27,6 +27,7 @@ def test_standing_playback_tilts_as_far_as_it_is_asked() -> None:
     assert np.degrees(2.0 * np.arcsin(done.base_quat[-1, 0, 1])) == pytest.approx(15.0, abs=2.0)
 
 
+@pytest.mark.slow
 def test_tilt_has_a_row_for_each_state_axis_and_side() -> None:
     rows = tilt.run_tilt()["rows"]
     assert len(rows) == 2 * 3 * 2
@@ -37,6 +38,7 @@ def test_tilt_has_a_row_for_each_state_axis_and_side() -> None:
         assert np.sign(row["achieved_deg"]) == np.sign(row["commanded_deg"])
 
 
+@pytest.mark.slow
 def test_walk_rows_compare_commanded_with_achieved() -> None:
     rows = walk.run_walk()["rows"]
     assert len(rows) == len(walk.CASES)

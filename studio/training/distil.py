@@ -1,0 +1,95 @@
+"""A teacher that sees the clean future → a policy that does not: supervised, on its own way.
+
+DAgger: the student acts, the teacher says what it would have done there, the student regresses on
+all recent answers. It needs a hundredth of the samples that PPO takes to learn to read noise, and
+hands PPO a policy to improve.
+"""
+
+import logging
+from collections import deque
+from dataclasses import dataclass, field
+
+import numpy as np
+import torch
+from rsl_rl.algorithms import PPO
+
+from studio.imitation.env import ImitationEnv
+from studio.imitation.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
+from studio.imitation.teacher import TeacherConfig, teacher_action
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DistilConfig:
+    """horizon: control periods between lessons. keep: lessons remembered. passes: over the newest
+    lesson's number of samples, drawn from all that are kept. noise: of the student's actions."""
+
+    horizon: int = 24
+    keep: int = 24
+    passes: int = 3
+    minibatch: int = 1024
+    learning_rate: float = 1e-3
+    final_learning_rate: float = 2e-4
+    noise: float = 0.1
+    teacher: TeacherConfig = field(default_factory=TeacherConfig)
+
+
+class Distiller:
+    """Lessons for one actor in one environment; one thread only."""
+
+    def __init__(self, alg: PPO, env: ImitationEnv, config: DistilConfig = DistilConfig()) -> None:
+        self.alg, self.env, self.config = alg, env, config
+        parameters = list(alg.actor.mlp.parameters())
+        self.optimizer = torch.optim.Adam(parameters, lr=config.learning_rate)
+        self.lessons: deque[tuple[torch.Tensor, torch.Tensor]] = deque(maxlen=config.keep)
+        index, sign = observation_mirror(env.config.observation)
+        self.mirror = torch.as_tensor(index), torch.as_tensor(sign, dtype=torch.float32)
+        self.joints = torch.as_tensor(JOINT_INDEX), torch.as_tensor(JOINT_SIGN, dtype=torch.float32)
+        self.rng = np.random.default_rng(0)
+
+    def lesson(self, progress: float) -> dict[str, float]:
+        """Act, ask, learn; progress in [0, 1] of all lessons. Mean error and tracking figures."""
+        observations, answers = [], []
+        sums = {"joint_sq": 0.0, "foot_error": 0.0, "tilt_error": 0.0, "tracked": 0.0}
+        observation = self.env.history.observation()
+        for _ in range(self.config.horizon):
+            answer = teacher_action(self.env, self.config.teacher)
+            observations.append(observation)
+            answers.append(answer.astype(np.float32))
+            with torch.inference_mode():
+                x = self.alg.actor.obs_normalizer(torch.from_numpy(observation))
+                action = self.alg.actor.mlp(x).numpy().astype(np.float64)
+            action += self.config.noise * self.rng.standard_normal(action.shape)
+            observation = self.env.step(action)[0]
+            for name in sums:
+                sums[name] += float(self.env.metrics[name].mean()) / self.config.horizon
+        new = (
+            torch.from_numpy(np.concatenate(observations)),
+            torch.from_numpy(np.concatenate(answers)),
+        )
+        self.lessons.append(new)
+        self.alg.actor.obs_normalizer.update(new[0])  # type: ignore[operator]
+        return {"imitation_loss": self._learn(len(new[0]), progress), **sums}
+
+    def _learn(self, count: int, progress: float) -> float:
+        """Regress on samples of all kept lessons, half of them seen in the mirror."""
+        c = self.config
+        rate = c.learning_rate * (c.final_learning_rate / c.learning_rate) ** progress
+        for group in self.optimizer.param_groups:
+            group["lr"] = rate
+        observations, answers = (torch.cat(part) for part in zip(*self.lessons, strict=True))
+        losses = []
+        for _ in range(c.passes * count // c.minibatch):
+            rows = torch.from_numpy(self.rng.integers(0, len(observations), c.minibatch))
+            x, y = observations[rows], answers[rows]
+            half = c.minibatch // 2
+            x = torch.cat([x[:half], x[half:, self.mirror[0]] * self.mirror[1]])
+            y = torch.cat([y[:half], y[half:, self.joints[0]] * self.joints[1]])
+            loss = (self.alg.actor.mlp(self.alg.actor.obs_normalizer(x)) - y).square().mean()
+            self.optimizer.zero_grad()
+            loss.backward()
+            torch.nn.utils.clip_grad_norm_(self.alg.actor.mlp.parameters(), 1.0)
+            self.optimizer.step()
+            losses.append(float(loss.detach()))
+        return float(np.mean(losses))
