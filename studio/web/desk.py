@@ -37,8 +37,8 @@ class ControlDesk:
 
     def __init__(
         self,
-        send: Callable[[Command], None],
-        beat: Callable[[str], None],
+        send: Callable[[Command], object],
+        beat: Callable[[str], object],
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self._send, self._beat, self._clock = send, beat, clock

@@ -35,10 +35,12 @@ class Follow:
 
     def push(self, xy: Array, dt: float) -> Array:
         """(2,) m to subtract; a jump of over a metre (a reset) is followed at once."""
-        if self._xy is None or np.linalg.norm(xy - self._xy) > 1.0:
-            self._xy = np.array(xy, dtype=np.float64)
-        self._xy = self._xy + (1.0 - np.exp(-dt / self.time_constant)) * (xy - self._xy)
-        return self._xy
+        before = self._xy
+        if before is None or np.linalg.norm(xy - before) > 1.0:
+            before = np.array(xy, dtype=np.float64)
+        after = before + (1.0 - np.exp(-dt / self.time_constant)) * (xy - before)
+        self._xy = after
+        return after
 
 
 class HumanPlace:

@@ -247,27 +247,32 @@ def errors(rendered, tick) -> np.ndarray:
     )
 
 
+def closest(rendered, ticks) -> dict:
+    """The tick whose simulated trunk is nearest to the drawn one."""
+    pos, quat = iter_links(rendered, "robot")["trunk"]
+    base = np.array([tick["robot"]["base_quat"] for tick in ticks])
+    height = np.array([tick["robot"]["base_pos"][2] for tick in ticks])
+    return ticks[int(np.argmin(spatial.quat_angle(base, quat) + np.abs(height - pos[2])))]
+
+
 def test_all_three_figures_are_drawn_as_the_ticks_say(page, served):
     calm(page, served)
-    matched = []
+    seen = []
     for _ in range(3):
         rendered = page.evaluate(RENDERED)
         time.sleep(0.3)
-        recent = [tick for tick in list(served.ticks.values())[-2000:] if tick["human"]]
-        worst = np.array([errors(rendered, tick).max() for tick in recent])
-        best = int(np.argmin(worst))
+        recent = [tick for tick in list(served.ticks.values()) if tick["human"]]
+        tick = closest(rendered, recent)
         # One and the same tick for all three, to the rounding of its JSON and of float32.
-        assert worst[best] < 1e-3, errors(rendered, recent[best])
-        matched.append((recent[best]["index"], worst))
+        assert errors(rendered, tick).max() < 1e-3, errors(rendered, tick)
+        seen.append(tick["index"])
+        # The comparison can fail: half a second away is another pose.
+        others = [served.ticks.get(tick["index"] + k) for k in (-30, -15)]
+        assert max(errors(rendered, other).max() for other in others if other) > 4e-3
         page.wait_for_timeout(1500)
-    indices = [index for index, _ in matched]
-    assert indices == sorted(set(indices)), "the picture stands still"
-    # The comparison can fail: ticks half a second away are not what is drawn.
-    for _, worst in matched:
-        assert np.median(worst) > 5e-3
-    bones = page.evaluate(RENDERED)
-    assert len(bones["/human/bones"]) == 18
-    assert len(bones["/contacts"]) == 8
+    assert seen == sorted(set(seen)), "the picture stands still"
+    assert len(rendered["/human/bones"]) == 18
+    assert len(rendered["/contacts"]) == 8
 
 
 def test_webgl_draws_pixels_of_each_figure(page, served):
@@ -341,7 +346,8 @@ def test_the_red_button_stops(page, served):
 def test_a_file_dropped_on_the_page_drives_the_robot(page, served, tmp_path):
     calm(page, served)
     source = OperatorSource("quiet", seed=5)
-    joints = np.array([source.read(k / 30.0).joint_pos_w for k in range(240)])
+    poses = [pose for k in range(240) if (pose := source.read(k / 30.0))]
+    joints = np.array([pose.joint_pos_w for pose in poses])
     write_bvh(tmp_path / "quiet.bvh", joints, 1.0 / 30.0)
     drop = """([name, text]) => {
       const data = new DataTransfer();
