@@ -3,6 +3,7 @@
 Rooms are imported by the command that needs them, so that `--help` answers at once.
 """
 
+import inspect
 import json
 import logging
 import os
@@ -88,6 +89,8 @@ class Bench:
     """How long each part is measured."""
     page: bool = True
     """Also start a server, connect four clients and measure the loop's periods."""
+    training: bool = True
+    """Also measure physics, environment and PPO as environments grow."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -181,11 +184,22 @@ def _takes(argv: Sequence[str]) -> Answer:
     answer: Answer = tyro.cli(  # type: ignore[assignment]
         partial(known[what], Path(sessions or "sessions")),
         prog=f"a1-studio takes {what}",
+        description=_in_order(known[what]),
         args=rest,
         config=(tyro.conf.PositionalRequiredArgs,),
     )
     lost = [take["name"] for take in answer.get("takes", ()) if take.get("readable") is False]
     return {**answer, "_failed": f"cannot be read: {', '.join(lost)}"} if lost else answer
+
+
+def _in_order(function: Callable[..., Any]) -> str:
+    """What a function says of itself, and the arguments that it needs, in their order."""
+    needed = [
+        name.upper()
+        for name, parameter in inspect.signature(function).parameters.items()
+        if parameter.default is inspect.Parameter.empty and name != "sessions"
+    ]
+    return f"{inspect.getdoc(function)}" + (f" Arguments: {' '.join(needed)}." if needed else "")
 
 
 COMMANDS: dict[str, tuple[Callable[[Sequence[str]], Any], str]] = {

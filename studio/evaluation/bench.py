@@ -32,11 +32,15 @@ PAGE_LIMIT = 60.0
 
 @dataclass(frozen=True, kw_only=True)
 class BenchConfig:
-    """compare: an earlier result. seconds: length of each part. page: start a server as well."""
+    """compare: an earlier result. seconds: length of each part. page: start a server as well.
+
+    training: measure physics, environment and PPO as environments grow.
+    """
 
     compare: Path | None = None
     seconds: float = 20.0
     page: bool = True
+    training: bool = True
 
 
 def run_bench(config: BenchConfig) -> dict[str, Any]:
@@ -46,6 +50,10 @@ def run_bench(config: BenchConfig) -> dict[str, Any]:
     result["sections_ms"], result["drive"] = control_period(config.seconds)
     if config.page:
         result["live"] = live(config.seconds)
+    if config.training:
+        from studio.evaluation.bench_training import training_rates
+
+        result["training"] = training_rates(min(config.seconds, 5.0))
     if earlier is not None:
         result["compared"] = compare(result, earlier)
     return result

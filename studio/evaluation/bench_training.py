@@ -1,0 +1,85 @@
+"""What training costs on this machine as environments grow: bare physics, environment, PPO."""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studio.errors import StudioError
+from studio.imitation.bank import build_bank
+from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.reference.stances import NEUTRAL
+from studio.sim.batch import BatchConfig, BatchWorld
+
+SIZES = (64, 256, 1024, 4096)
+STATE = "walk"
+
+
+def training_rates(seconds: float, sizes: tuple[int, ...] = SIZES) -> list[dict[str, Any]]:
+    """A row per number of environments: control samples a second of physics and environment.
+
+    The last row adds PPO around it (its own process), at 512 environments.
+    """
+    bank = build_bank(STATE, per_task=4, seed=0)
+    rows = []
+    for n in sizes:
+        physics, environment = physics_rate(n, seconds), environment_rate(n, seconds, bank)
+        rows.append(
+            {
+                "num_envs": n,
+                "physics_per_s": physics,
+                "environment_per_s": environment,
+                "environment_share": environment / physics,
+            }
+        )
+    rows.append({"num_envs": 512, "ppo_per_s": ppo_rate()})
+    return rows
+
+
+def physics_rate(num_envs: int, seconds: float) -> float:
+    """Control periods a second of standing robots, all environments together."""
+    world = BatchWorld(BatchConfig(num_envs=num_envs))
+    target = np.tile(NEUTRAL["stand"].joint_pos, (num_envs, 1))
+    return _rate(lambda: world.step(target), num_envs, seconds)
+
+
+def environment_rate(num_envs: int, seconds: float, bank: Any) -> float:
+    """The same of the whole environment: references, noise, observation, reward, resets."""
+    env = ImitationEnv(EnvConfig(num_envs=num_envs), bank)
+    env.reset()
+    action = np.zeros((num_envs, 12))
+    return _rate(lambda: env.step(action), num_envs, seconds)
+
+
+def ppo_rate() -> float:
+    """Samples a second of `a1-studio train policy`, learning included, without mirrored copies."""
+    with tempfile.TemporaryDirectory() as folder:
+        report = Path(folder) / "report.json"
+        done = subprocess.run(
+            [
+                *(sys.executable, "-m", "studio", "train", "policy", "--state", STATE),
+                *("--samples", "60000", "--num-envs", "512", "--motions-per-task", "4"),
+                *("--run", str(Path(folder) / "run"), "--json", str(report)),
+            ],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        if done.returncode:
+            lines = done.stderr.strip().splitlines()
+            raise StudioError(f"training did not run: {lines[-1] if lines else 'no word why'}")
+        return float(json.loads(report.read_text())["samples_per_second"])
+
+
+def _rate(step: Any, num_envs: int, seconds: float) -> float:
+    step()
+    began, count = time.perf_counter(), 0
+    while time.perf_counter() - began < seconds:
+        step()
+        count += 1
+    return num_envs * count / (time.perf_counter() - began)

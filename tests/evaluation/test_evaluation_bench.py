@@ -1,0 +1,47 @@
+"""The bench measures real runs, and compares figures by where they stand."""
+
+import json
+
+import pytest
+
+from studio.errors import StudioError
+from studio.evaluation.bench import BenchConfig, compare, percentiles, run_bench
+from studio.evaluation.bench_training import physics_rate
+
+
+def test_percentiles_of_a_known_row():
+    import numpy as np
+
+    figures = percentiles(np.arange(101, dtype=float))
+    assert figures == {"p50": 50.0, "p95": 95.0, "p99": 99.0, "max": 100.0}
+
+
+def test_comparing_gives_the_ratio_of_every_figure_that_both_have():
+    now = {"machine": {"cores": 2}, "a": {"b": 3.0, "new": 1.0}, "rows": [{"x": 4}], "name": "n"}
+    earlier = {"machine": {"cores": 8}, "a": {"b": 2.0}, "rows": [{"x": 1}, {"x": 2}]}
+    assert compare(now, earlier) == {
+        "a.b": {"now": 3.0, "earlier": 2.0, "ratio": 1.5},
+        "rows.0.x": {"now": 4.0, "earlier": 1.0, "ratio": 4.0},
+    }
+
+
+def test_a_short_bench_names_the_machine_and_every_section_and_compares(tmp_path):
+    first = run_bench(BenchConfig(seconds=1.0, page=False, training=False))
+    assert first["machine"]["cores"] >= 1
+    assert {"features", "selector", "mapper", "consistency", "controller", "inference"} <= set(
+        first["sections_ms"]
+    )
+    assert first["drive"]["times_real_time_cpu"] > 1.0
+    path = tmp_path / "before.json"
+    path.write_text(json.dumps(first))
+    second = run_bench(BenchConfig(seconds=1.0, page=False, training=False, compare=path))
+    assert second["compared"]["drive.seconds"]["ratio"] == pytest.approx(1.0)
+
+
+def test_an_unreadable_comparison_is_said_before_anything_is_measured(tmp_path):
+    with pytest.raises(StudioError, match="compare"):
+        run_bench(BenchConfig(compare=tmp_path / "nothing.json"))
+
+
+def test_physics_is_counted_over_all_environments():
+    assert physics_rate(16, 0.2) > 16.0
