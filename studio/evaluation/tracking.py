@@ -57,28 +57,34 @@ def run_tracking(
     states: Sequence[StateName] | str = STATES,
     controllers: Sequence[str] | str = CONTROLLERS,
     threads: int | str = 0,
+    models: Path = MODELS,
     cache: Path | None = Path("runs/evaluate"),
     progress: bool = True,
 ) -> dict[str, Any]:
     """`{"rows": [...]}`, a row per state and controller, each figure with its 95 % `*_ci`.
 
-    Rows of policies that are not trained are left out. Chunks of episodes are kept in `cache`: a
-    run that was cut off goes on where it stopped. From the command line states and controllers
-    are names with commas between. StudioError for unknown names.
+    Rows of policies that are not trained (STATE.safetensors in `models`) are left out. Chunks of
+    episodes are kept in `cache`: a run that was cut off goes on where it stopped. From the command
+    line states and controllers are names with commas between. StudioError for unknown names.
     """
     states = cast(Sequence[StateName], _names("state", states, STATES))
     controllers = _names("controller", controllers, CONTROLLERS)
     threads = int(threads)
     if episodes < 1:
         raise StudioError("evaluate tracking needs --episodes of at least 1")
-    jobs = [(s, c) for s in states for c in controllers if c != "policy" or _weights(s).exists()]
+    jobs = [
+        (s, c)
+        for s in states
+        for c in controllers
+        if c != "policy" or (models / f"{s}.safetensors").exists()
+    ]
     rows = []
     with Progress(disable=not progress, transient=True) as bar:
         task = bar.add_task("tracking", total=len(jobs) * episodes)
         for state, controller in jobs:
             bar.update(task, description=f"{state} {controller}")
             parts = []
-            for part in _chunks(state, controller, episodes, seed, threads, cache):
+            for part in _chunks(state, controller, episodes, seed, threads, models, cache):
                 parts.append(part)
                 bar.advance(task, len(part["success_time"]))
             figures = {k: np.concatenate([p[k] for p in parts]) for k in parts[0]}
@@ -110,7 +116,13 @@ def _row(state: str, controller: str, seed: int, figures: dict[str, Array]) -> d
 
 
 def _chunks(
-    state: StateName, controller: str, episodes: int, seed: int, threads: int, cache: Path | None
+    state: StateName,
+    controller: str,
+    episodes: int,
+    seed: int,
+    threads: int,
+    models: Path,
+    cache: Path | None,
 ) -> Iterator[dict[str, Array]]:
     """Per-episode figures, chunk by chunk, from the cache where it has them."""
     tasks = len(task_names(state))
@@ -118,7 +130,9 @@ def _chunks(
         num = min(CHUNK, episodes - start)
         file = None
         if cache:
-            key = f"{_code()}-{_digest(_weights(state)) if controller == 'policy' else ''}"
+            key = _code()
+            if controller == "policy":
+                key += hashlib.sha256((models / f"{state}.safetensors").read_bytes()).hexdigest()
             name = f"{state}-{controller}-{num}-{seed}-{chunk}"
             file = cache / f"tracking-{name}-{hashlib.sha256(key.encode()).hexdigest()[:12]}.npz"
             if file.exists():
@@ -132,7 +146,7 @@ def _chunks(
             difficulties=(1.0,),
         )
         env = simulate.evaluation_env(bank, num, 1000 * seed + chunk, threads=threads)
-        figures = simulate.run_episodes(env, _act(state, controller))
+        figures = simulate.run_episodes(env, _act(state, controller, models))
         if file:
             file.parent.mkdir(parents=True, exist_ok=True)
             scratch = file.with_suffix(".tmp.npz")
@@ -141,18 +155,10 @@ def _chunks(
         yield figures
 
 
-def _act(state: StateName, controller: str) -> simulate.Act:
+def _act(state: StateName, controller: str, models: Path) -> simulate.Act:
     if controller == "policy":
-        return simulate.policy_of(Policy.load(state))
+        return simulate.policy_of(Policy.load(models / f"{state}.safetensors"))
     return {"stand_still": simulate.stand_still, "pd_playback": simulate.pd_playback}[controller]
-
-
-def _weights(state: str) -> Path:
-    return MODELS / f"{state}.safetensors"
-
-
-def _digest(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _code() -> str:

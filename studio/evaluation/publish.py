@@ -1,0 +1,89 @@
+"""A training run → models/policy: scored beside its baselines, kept only where it beats them.
+
+python -m studio.evaluation.publish walk --episodes 256
+"""
+
+import json
+import logging
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import tyro
+
+from studio.errors import StudioError
+from studio.evaluation.tracking import run_tracking
+from studio.imitation.policy import MODELS
+from studio.reference.intent import StateName
+
+log = logging.getLogger(__name__)
+SCORES = (
+    "success_time_ratio",
+    "tracked_time_ratio",
+    "joint_rmse_deg",
+    "foot_error_m",
+    "orientation_error_deg",
+    "velocity_error_m_s",
+)
+HIGHER = ("success_time_ratio", "tracked_time_ratio")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Publish:
+    """state: which expert. run: its training folder. force: keep it even where it is not better."""
+
+    state: tyro.conf.Positional[StateName]
+    run: Path | None = None
+    episodes: int = 256
+    seed: int = 1
+    threads: int = 0
+    force: bool = False
+
+
+def publish(config: Publish) -> dict[str, Any]:
+    """Weights, sidecar with scores, and the checkpoint to resume from; returns the scores.
+
+    StudioError if the policy does not beat PD playback on every score.
+    """
+    run = config.run or Path("runs") / f"policy-{config.state}"
+    stage = run / "publish"
+    (stage / "checkpoints").mkdir(parents=True, exist_ok=True)
+    for source, name in (
+        ("policy.safetensors", f"{config.state}.safetensors"),
+        ("policy.json", f"{config.state}.json"),
+        ("checkpoint.safetensors", f"checkpoints/{config.state}.safetensors"),
+    ):
+        shutil.copy(run / source, stage / name)
+    rows = run_tracking(
+        config.episodes, config.seed, states=(config.state,), models=stage, threads=config.threads
+    )["rows"]
+    scores = {row["controller"]: {k: row[k] for k in row if _kept(k)} for row in rows}
+    worse = [name for name in SCORES if not _better(scores, name)]
+    if worse and not config.force:
+        raise StudioError(f"{config.state}: not better than PD playback on {', '.join(worse)}")
+    sidecar = stage / f"{config.state}.json"
+    manifest = json.loads(sidecar.read_text())
+    manifest["scores"] = {"episodes": config.episodes, "seed": config.seed, **scores}
+    sidecar.write_text(json.dumps(manifest, indent=1) + "\n")
+    for file in sorted(p for p in stage.rglob("*") if p.is_file()):
+        target = MODELS / file.relative_to(stage)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        scratch = target.with_suffix(".tmp")
+        shutil.copy(file, scratch)
+        scratch.replace(target)
+    return scores
+
+
+def _kept(name: str) -> bool:
+    return name.removesuffix("_ci") in SCORES
+
+
+def _better(scores: dict[str, dict[str, Any]], name: str) -> bool:
+    ours, theirs = scores["policy"][name], scores["pd_playback"][name]
+    return ours >= theirs if name in HIGHER else ours < theirs
+
+
+if __name__ == "__main__":
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    log.info("%s", json.dumps(publish(tyro.cli(Publish)), indent=1))
