@@ -28,8 +28,9 @@ from studio.recording.tick import Tick
 from studio.reference.intent import STATES, StateName
 from studio.retarget.retargeter import Retargeted, Retargeter
 from studio.retarget.settings import RetargetSettings
+from studio.retarget.store import Experts
 from studio.robot.a1 import CONTROL_DT
-from studio.robot.pose import RobotPose, RobotState
+from studio.robot.pose import ReferencePose, RobotPose, RobotState
 from studio.sim.actuation import LowPass, limit_target
 from studio.sim.world import World
 
@@ -109,17 +110,29 @@ class Puppeteer:
             self.set_gain(name, getattr(config, name))
         self.reset()
 
-    def step(self, human: HumanPose | None = None, orders: Orders = FOLLOW) -> Tick:
-        """One control period (1/30 s). None: nothing new was seen. Never fails on a bad pose."""
+    def step(
+        self,
+        human: HumanPose | None = None,
+        orders: Orders = FOLLOW,
+        shown: tuple[StateName, ReferencePose] | None = None,
+    ) -> Tick:
+        """One control period (1/30 s). None: nothing new was seen. Never fails on a bad pose.
+
+        shown: a motion that the robot does in place of the person's, who is to act it out.
+        """
         self._timings: dict[str, float] = {}
         fresh = self._see(human)
         with self._section("retarget"):
             self._go_on_from_where_it_is()
             mapped = self.retargeter.step(self._human if self._age <= REUSE else None, CONTROL_DT)
-        self._place_at_first_vote(mapped, orders)
+        if shown is None:
+            self._place_at_first_vote(mapped, orders)
+        self._placed = self._placed or shown is not None
         with self._section("controller"):
             wanted: StateName = self.lock or mapped.active  # type: ignore[assignment]
             reference = mapped.reference if mapped.active == wanted else None
+            if shown is not None:
+                wanted, reference = shown
             control = self.controller.step(wanted, reference, orders.directive, orders.ramp)
         with self._section("policy"):
             in_transition = control.state == "transition"
@@ -143,13 +156,13 @@ class Puppeteer:
             transition_to=control.transition_to,
             mode=orders.mode,
             controller=self.tracker.name,
-            reference=control.reference,
+            reference=control.reference if shown is None else shown[1],
             action=action,
             target=target,
             robot=self.robot,
             clipped=clipped,
             fallen=self.fallen,
-            why=orders.why or why_still(mapped, self.lock, self._age),
+            why=orders.why or (why_still(mapped, self.lock, self._age) if shown is None else ""),
             timings_ms=self._timed(mapped),
             counters=dict(self.counters),
         )
@@ -240,6 +253,11 @@ class Puppeteer:
         """Mirror the person from the next pose on."""
         self.config = replace(self.config, mirror=mirror)
         self.retargeter.extractor.mirror = mirror
+
+    def set_experts(self, experts: Experts) -> None:
+        """Map the person by other experts from the next period on; what was seen is kept."""
+        self.retargeter.use(experts)
+        self.rejoin()
 
     def set_controller(self, name: str) -> None:
         """Another controller from the next period on. StudioError if there is none of the name."""

@@ -1,7 +1,6 @@
 """Collect mode in the loop: the state machine's steps become a figure shown and takes on disk."""
 
 import logging
-from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -15,13 +14,11 @@ from studio.live.clerk import Clerk
 from studio.live.collect import ACTIONS, Collect, CollectPlan, Slot, Step
 from studio.live.shown import QUIET_S, Place, PlanItem, at_rest, draw_motion
 from studio.mocap import Source
-from studio.mocap.follower import FollowingOperator
 from studio.recording import edits
 from studio.recording.names import take_folder
 from studio.recording.recorder import Recorder
 from studio.recording.sessions import SessionBook, session_name
 from studio.reference.intent import Intent, StateName
-from studio.robot.a1 import CONTROL_DT
 from studio.robot.pose import ReferencePose, RobotPose
 
 log = logging.getLogger(__name__)
@@ -235,35 +232,25 @@ def as_calibration(calibration: Calibration) -> dict[str, Any]:
 
 
 class Acting:
-    """The synthetic person acts out what is shown while collecting, and then goes on as before."""
+    """Remembers the source that collecting has replaced by a person who acts out what is shown."""
 
     def __init__(self) -> None:
-        self._before: Source | None = None
-        self._before_t = 0.0
+        self._before: tuple[Source, float] | None = None
 
-    def enter(self, source: Source, t: float, make: Callable[[], FollowingOperator]) -> Source:
-        """The source to collect from: a person who follows, in place of the built-in operator.
+    def enter(self, source: Source, played: float) -> None:
+        """Keep `source`, which began `played` s ago and will go on from there."""
+        self._before = source, played
 
-        t: s since `source` began, where it will go on.
-        """
-        if not source.name.startswith("operator") or isinstance(source, FollowingOperator):
-            return source
-        self._before, self._before_t = source, t
-        return make()
-
-    def leave(self, source: Source) -> tuple[Source, float | None]:
-        """The source from before, and its time (s); None when it was never replaced."""
+    def leave(self) -> tuple[Source, float] | None:
+        """What was kept, with its time (s); None when nothing was replaced."""
         before, self._before = self._before, None
-        if before is None:
-            return source, None
-        source.close()
-        return before, self._before_t
+        return before
 
     def forget(self) -> None:
         """Another source was chosen meanwhile."""
         if self._before is not None:
-            self._before.close()
+            self._before[0].close()
             self._before = None
 
 
-__all__ = ["CONTROL_DT", "Acting", "Collector", "Shown", "as_calibration", "draw_slots"]
+__all__ = ["Acting", "Collector", "Shown", "as_calibration", "draw_slots"]

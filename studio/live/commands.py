@@ -1,7 +1,11 @@
 """Frozen commands: everything another thread may ask of the control loop, and its answer."""
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from studio.live.collect import CollectPlan
+    from studio.live.shown import PlanItem
 
 Mode = Literal["idle", "live", "replay", "collect"]
 MODES: tuple[Mode, ...] = ("idle", "live", "replay", "collect")
@@ -11,7 +15,8 @@ STATE_LOCKS: tuple[StateLock, ...] = ("auto", "stand", "walk", "sit")
 
 @dataclass(frozen=True, kw_only=True)
 class SetMode:
-    """idle: the robot rests; live: it follows the source; replay: a take is shown again."""
+    """idle: the robot rests; live: it follows the source; replay: a take is shown again; collect:
+    motions are shown, acted out and recorded."""
 
     mode: str
 
@@ -108,11 +113,54 @@ class ReleaseControl:
 
 @dataclass(frozen=True, kw_only=True)
 class Seek:
-    """Replay: go to `t` seconds of the take, playing on or paused, at a speed."""
+    """Replay: go to `t` seconds of the take, playing on or paused, at a speed, in a loop."""
 
     t: float | None = None
     playing: bool | None = None
     speed: float | None = None
+    loop: bool | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShowTake:
+    """Replay take `name` as its edits leave it; aligned: the person as lag and warp put them."""
+
+    name: str
+    aligned: bool = True
+    t: float | None = None
+    playing: bool | None = None
+    speed: float | None = None
+    loop: bool | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class SetPlan:
+    """What mode collect shows and records."""
+
+    plan: "CollectPlan"
+
+
+@dataclass(frozen=True, kw_only=True)
+class AddToPlan:
+    """More to collect, after what is planned."""
+
+    items: "tuple[PlanItem, ...]"
+
+
+@dataclass(frozen=True, kw_only=True)
+class CollectAction:
+    """go, skip, keep, redo, next or abort (collect.ACTIONS)."""
+
+    action: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class SetMapper:
+    """Map the person by the experts of sessions/mappers/NAME from the next period on; None: by
+    those that are shipped. back: by whichever was in use before instead (A/B)."""
+
+    name: str | None = None
+    back: bool = False
 
 
 Command = (
@@ -132,6 +180,11 @@ Command = (
     | TakeControl
     | ReleaseControl
     | Seek
+    | ShowTake
+    | SetPlan
+    | AddToPlan
+    | CollectAction
+    | SetMapper
 )
 
 

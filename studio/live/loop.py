@@ -13,8 +13,20 @@ import numpy as np
 from studio.errors import StudioError
 from studio.live import commands as c
 from studio.live.clock import Clock, Metronome, WallClock
+from studio.live.collecting import draw_slots
 from studio.live.mailbox import BoundedQueue, Latest
-from studio.live.session import Session, SessionConfig, open_for, open_replay
+from studio.live.mappers import open_mapper
+from studio.live.session import (
+    DrawnMore,
+    DrawnPlan,
+    OpenedCollect,
+    Session,
+    SessionConfig,
+    follower_for,
+    open_for,
+    open_replay,
+    open_take,
+)
 from studio.live.state import state_dict
 from studio.recording.tick import Tick
 from studio.robot.a1 import CONTROL_DT
@@ -192,6 +204,22 @@ class LiveLoop:
     def _prepared(self, command: Any) -> Any:
         if isinstance(command, c.SetSource):
             return open_for(self.config, command.spec)
+        if isinstance(command, c.ShowTake):
+            return open_take(self.config, command)
+        if isinstance(command, c.SetPlan):
+            return DrawnPlan(
+                plan=command.plan, slots=draw_slots(command.plan.items, command.plan.seed)
+            )
+        if isinstance(command, c.AddToPlan):
+            machine = self.session.collector.machine
+            drawn = len(machine.slots)
+            return DrawnMore(slots=draw_slots(command.items, machine.plan.seed, drawn))
+        if isinstance(command, c.SetMapper):
+            return open_mapper(
+                self.config.sessions, self.config.puppeteer, self.session.mappers, command
+            )
+        if isinstance(command, c.SetMode) and command.mode == "collect":
+            return OpenedCollect(operator=follower_for(self.config, self.session.source))
         if isinstance(command, c.SetMode) and command.mode == "replay":
             kind, _, name = self.session.source.name.partition(":")
             take = name if kind == "take" else self.session.last_take

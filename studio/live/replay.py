@@ -20,11 +20,18 @@ class Replay:
         # Ticks are one control period apart, whatever their source's clock did.
         self._t = (np.array([tick.index for tick in ticks]) - ticks[0].index) * CONTROL_DT
         self.seconds = float(self._t[-1])
-        self.t, self.playing, self.speed = 0.0, True, 1.0
+        self.t, self.playing, self.speed, self.loop = 0.0, True, 1.0, False
         self._shown = -1
 
-    def seek(self, t: float | None, playing: bool | None, speed: float | None) -> None:
-        """Go to `t` s, play or pause, change the speed (0.1 to 4). StudioError out of range."""
+    def seek(
+        self,
+        t: float | None = None,
+        playing: bool | None = None,
+        speed: float | None = None,
+        loop: bool | None = None,
+    ) -> None:
+        """Go to `t` s, play or pause, at a speed (0.1 to 4), in a loop; or StudioError."""
+        self.loop = self.loop if loop is None else loop
         if speed is not None:
             if not 0.1 <= speed <= 4.0:
                 raise StudioError(f"speed must be between 0.1 and 4, not {speed}")
@@ -40,7 +47,7 @@ class Replay:
         """The tick to show in this control period, its mode and `why` set."""
         i = max(int(np.searchsorted(self._t, self.t + 1e-9)) - 1, 0)
         if self.t >= self.seconds:
-            self.playing = False
+            self.playing, self.t = self.playing and self.loop, 0.0 if self.loop else self.t
         elif self.playing:
             self.t = min(self.t + CONTROL_DT * self.speed, self.seconds)
         new, self._shown = i != self._shown, i

@@ -65,6 +65,10 @@ def state_dict(session: "Session", tick: Tick, period_error_ms: deque[float]) ->
             "seconds": round(replay.seconds, 3),
             "playing": replay.playing,
             "speed": replay.speed,
+            "loop": replay.loop,
+            "aligned": getattr(replay, "aligned", None),
         },
+        "collect": session.collector.as_dict(),
+        "mapper": session.mappers.as_dict(),
         "t": round(tick.t, 4),
     }

@@ -111,6 +111,13 @@ class Retargeter:
         """Lock the state (None: automatic). StudioError for an unknown name."""
         self.selector.set_lock(name)
 
+    def use(self, experts: Experts) -> None:
+        """Other experts from the next frame on; person, place and lock stay."""
+        lock, config = self.selector.lock, self.selector.config
+        self.experts = experts
+        self.selector = Selector(experts.prototypes, config)
+        self.selector.set_lock(lock)
+
     def set_calibration(self, calibration: Calibration) -> None:
         """Use a refined calibration from the next frame on, without a jump in the motion."""
         self.extractor.calibrator = Calibrator(calibration, dt=a1.CONTROL_DT)

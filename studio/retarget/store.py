@@ -43,7 +43,11 @@ def style_dir(style: str, models: Path | None = None) -> Path:
 
 def load_experts(style: str = "march", models: Path | None = None) -> Experts:
     """One style's three experts and selector; StudioError says how to train what is missing."""
-    folder = style_dir(style, models)
+    return read_experts(style_dir(style, models), style)
+
+
+def read_experts(folder: Path, style: str) -> Experts:
+    """The three experts and the selector of a folder; StudioError if one is missing."""
     mappers = {name: Mapper.from_tensors(_tensors(folder / name, style)) for name in EXPERTS}
     prototypes = Prototypes.from_tensors(_tensors(folder / "selector", style))
     sidecars = {name: read_sidecar(folder / name) for name in (*EXPERTS, "selector")}

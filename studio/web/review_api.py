@@ -1,0 +1,141 @@
+"""Reviewing takes over HTTP: curves, what was found, alignment, split, bin, and the 3-D view."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numpy as np
+from fastapi import APIRouter, Request
+from pydantic import BaseModel, ConfigDict, Field
+
+from studio.errors import StudioError
+from studio.live.commands import ShowTake
+from studio.recording import review
+from studio.recording.library import SessionLibrary
+from studio.web.encode import plain
+from studio.web.hub import Hub, refused
+
+T = TypeVar("T")
+
+
+class AlignBody(BaseModel):
+    """accept the proposed lag (with a time warp on top, if warp), or refuse it."""
+
+    model_config = ConfigDict(extra="forbid")
+    accept: bool = True
+    warp: bool = False
+
+
+class CleanBody(BaseModel):
+    """Which suggestions to cut out, by their index in the review; all of them without."""
+
+    model_config = ConfigDict(extra="forbid")
+    which: list[int] | None = Field(default=None, max_length=10_000)
+
+
+class SplitBody(BaseModel):
+    """Where, s into the take."""
+
+    at: float = Field(allow_inf_nan=False)
+
+
+class ShowBody(BaseModel):
+    """Show the take in the 3-D view. aligned: the person as lag and warp put them."""
+
+    model_config = ConfigDict(extra="forbid")
+    aligned: bool = True
+    t: float | None = Field(default=None, allow_inf_nan=False)
+    playing: bool | None = None
+    speed: float | None = Field(default=None, allow_inf_nan=False)
+    loop: bool | None = None
+
+
+def review_router(hub: Hub) -> APIRouter:
+    """`/api/takes/{name}/…` and the bin. Comes before `takes_router`, whose paths are wider."""
+    router = APIRouter(prefix="/api/takes", tags=["review"])
+    library = SessionLibrary(hub.sessions)
+
+    async def off_thread(work: Callable[[], T], status: int = 422) -> T:
+        """Disk work, away from the event loop; a StudioError becomes an answer."""
+        try:
+            return await asyncio.get_running_loop().run_in_executor(hub.workers, work)
+        except StudioError as error:
+            raise refused(str(error), status) from error
+
+    async def known(name: str) -> None:
+        await off_thread(lambda: library.folder(name), 404)
+
+    async def info(name: str) -> dict[str, Any]:
+        return (await off_thread(lambda: library.info(name), 404)).as_dict()
+
+    @router.get("/deleted")
+    async def deleted() -> list[str]:
+        """Names in the bin."""
+        return await off_thread(library.deleted, 500)
+
+    @router.post("/{name}/restore")
+    async def restore(name: str) -> dict[str, Any]:
+        """Back from the bin."""
+        return (await off_thread(lambda: library.restore(name), 404)).as_dict()
+
+    @router.get("/{name}/review")
+    async def reviewed(name: str) -> dict[str, Any]:
+        """Suggestions, alignment as it is and as proposed, score and why."""
+        await known(name)
+        return plain((await off_thread(lambda: review.review(library, name))).as_dict())
+
+    @router.get("/{name}/timeline")
+    async def timeline(name: str, points: int = 600, aligned: bool = True) -> dict[str, Any]:
+        """Curves of both sides over the whole take: tilt, height, hands and paws, steps."""
+        await known(name)
+        if not 2 <= points <= 4000:
+            raise refused("points are between 2 and 4000", 422)
+
+        def work() -> dict[str, Any]:
+            table, edits = review.open_table(hub.sessions, name)
+            if not aligned:
+                edits = type(edits)(trim=edits.trim, cuts=edits.cuts)
+            curves = review.overview(table, edits, points)
+            ticks = np.rint(np.asarray(curves["t"]) * 30.0).astype(int)
+            contact = np.asarray(table.rows["reference_foot_contact"][ticks], dtype=np.float64)
+            return {**curves, "seconds": table.seconds, "contact": contact}
+
+        return plain(await off_thread(work))
+
+    @router.post("/{name}/align")
+    async def align(name: str, body: AlignBody) -> dict[str, Any]:
+        """Accept or refuse the proposed alignment: an edit, which undo takes back."""
+        await known(name)
+        if body.accept:
+            work = lambda: review.accept_alignment(library, name, warp=body.warp)  # noqa: E731
+            before, found = await off_thread(work)
+            told = {"before": before, "after": found}
+        else:
+            await off_thread(lambda: review.refuse_alignment(library, name))
+            told = {}
+        return {**await info(name), **plain({k: vars(v) for k, v in told.items() if v})}
+
+    @router.post("/{name}/clean")
+    async def clean(name: str, body: CleanBody | None = None) -> dict[str, Any]:
+        """Cut suggestions out: an edit, which undo takes back."""
+        await known(name)
+        which = None if body is None else body.which
+        await off_thread(lambda: review.accept_suggestions(library, name, which))
+        return await info(name)
+
+    @router.post("/{name}/split")
+    async def split(name: str, body: SplitBody) -> dict[str, Any]:
+        """One take into two of the same tape; undo joins them."""
+        await known(name)
+        first, second = await off_thread(lambda: library.split(name, body.at))
+        return {"takes": [first.as_dict(), second.as_dict()]}
+
+    @router.post("/{name}/show")
+    async def show(name: str, request: Request, body: ShowBody | None = None) -> dict[str, Any]:
+        """Show it in the 3-D view (mode replay), as its edits leave it. Answers the state."""
+        await known(name)
+        options = (body or ShowBody()).model_dump()
+        await hub.apply(ShowTake(name=name, **options), request)
+        return hub.state()
+
+    return router

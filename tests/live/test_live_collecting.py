@@ -1,0 +1,174 @@
+"""Mode collect in the live loop on a fake clock: what is shown, acted out, recorded and judged."""
+
+import json
+import threading
+
+import numpy as np
+import pytest
+
+from studio.live import commands as c
+from studio.live.clock import FakeClock
+from studio.live.collect import CollectPlan
+from studio.live.loop import LiveLoop
+from studio.live.session import Session, SessionConfig
+from studio.live.shown import PlanItem
+from studio.recording.alignment import find_lag, human_channels, robot_channels
+from studio.recording.library import SessionLibrary
+from studio.recording.sessions import SessionBook
+
+DT = 1.0 / 30.0
+
+
+@pytest.fixture
+def loop(tmp_path):
+    config = SessionConfig(source="operator", sessions=tmp_path / "sessions")
+    loop = LiveLoop(clock=FakeClock(), session=Session(config))
+    yield loop
+    loop.session.close()
+
+
+def run(loop, seconds):
+    for _ in range(round(seconds / DT)):
+        loop.tick()
+        loop.wait()
+
+
+def ask(loop, command):
+    answers = []
+    asker = threading.Thread(target=lambda: answers.append(loop.submit(command, timeout=20.0)))
+    asker.start()
+    while asker.is_alive():
+        run(loop, DT)
+        asker.join(0.001)
+    return answers[0]
+
+
+def plan(*items, **options):
+    return c.SetPlan(plan=CollectPlan(items=items, operator="Ada", notes="first day", **options))
+
+
+def phase(loop):
+    return loop.state_dict()["collect"]["phase"]
+
+
+def until(loop, wanted, limit=60.0):
+    for _ in range(round(limit / DT)):
+        if phase(loop) == wanted:
+            return
+        run(loop, DT)
+    raise AssertionError((phase(loop), wanted, loop.state_dict()["collect"]["why"]))
+
+
+def test_a_collected_take_holds_what_was_shown_and_a_person_who_acts_it_out_late(loop):
+    assert ask(loop, plan(PlanItem(task="tilt", takes=1, seconds=6.0), preview=False)).ok
+    assert ask(loop, c.SetMode(mode="collect")).ok
+    assert loop.state_dict()["source"] == "operator:follow"
+    assert ask(loop, c.CollectAction(action="go")).ok
+    until(loop, "review")
+    answer = ask(loop, c.CollectAction(action="keep"))
+    assert answer.ok
+    assert answer.data["keep"] is True
+    assert phase(loop) == "done"
+    motion = loop.session.collector.machine.slots[0].motion
+    person = loop.session.source.person
+    loop.session.close()
+
+    take = SessionLibrary(loop.config.sessions).read(answer.data["take"])
+    assert take.label == "tilt"
+    assert take.edits.keep is True
+    assert len(take) == len(motion)
+    shown = np.array([pose.joint_pos for pose in motion.poses])
+    assert np.abs(take.arrays.reference["joint_pos"] - shown).max() < 1e-6
+    # The simulated robot does what is shown: it is not left standing.
+    moved = np.ptp(take.arrays.robot["joint_pos"], axis=0).max()
+    assert moved > 0.5 * np.ptp(shown, axis=0).max()
+    ref = take.arrays.reference
+    lag = find_lag(
+        human_channels(take.human.joint_pos_w),
+        robot_channels(ref["base_pos"], ref["base_quat"], ref["joint_pos"], ref["foot_contact"]),
+        DT,
+    )
+    assert lag.lag == pytest.approx(person.delay_s, abs=2.5 * DT)
+    assert lag.correlation > 0.6
+
+
+def test_a_take_knows_its_session_operator_and_calibration(loop):
+    ask(loop, plan(PlanItem(task="crouch", takes=1, seconds=2.0), preview=False))
+    ask(loop, c.SetMode(mode="collect"))
+    ask(loop, c.CollectAction(action="go"))
+    until(loop, "review")
+    name = ask(loop, c.CollectAction(action="keep")).data["take"]
+    loop.session.close()
+    (session,) = SessionBook(loop.config.sessions).list()
+    assert session.operator == "Ada"
+    assert session.notes == "first day"
+    assert session.takes == [name]
+    assert len(session.calibration["bone_length"]) == 18
+    about = json.loads((loop.config.sessions / name / "meta.json").read_text())["about"]
+    assert about["collect"]["session"] == session.name
+    assert about["collect"]["task"] == "crouch"
+    assert about["calibration"]["leg_length"] == pytest.approx(0.85, abs=0.2)
+
+
+def test_redo_rejects_a_take_and_records_the_same_motion_again(loop):
+    ask(loop, plan(PlanItem(task="crouch", takes=1, seconds=2.0), preview=False))
+    ask(loop, c.SetMode(mode="collect"))
+    ask(loop, c.CollectAction(action="go"))
+    until(loop, "review")
+    first = ask(loop, c.CollectAction(action="redo")).data
+    assert first["keep"] is False
+    until(loop, "review")
+    second = ask(loop, c.CollectAction(action="keep")).data
+    loop.session.close()
+    kept = {info.name: info.kept for info in SessionLibrary(loop.config.sessions).list()}
+    assert kept == {first["take"]: False, second["take"]: True}
+
+
+def test_an_emergency_stop_throws_the_running_take_away_and_says_so(loop):
+    ask(loop, plan(PlanItem(task="tilt", takes=1, seconds=3.0), preview=False))
+    ask(loop, c.SetMode(mode="collect"))
+    ask(loop, c.CollectAction(action="go"))
+    until(loop, "record")
+    run(loop, 1.0)
+    assert ask(loop, c.Stop()).ok
+    assert phase(loop) == "ready"
+    assert "thrown away" in loop.state_dict()["collect"]["why"]
+    loop.session.close()
+    (info,) = SessionLibrary(loop.config.sessions).list()
+    assert info.kept is False
+
+
+def test_leaving_collect_gives_the_source_back_and_lets_it_go_on(loop):
+    run(loop, 2.0)
+    before = loop.session.source
+    assert ask(loop, c.SetMode(mode="collect")).ok
+    assert loop.session.source is not before
+    run(loop, 3.0)
+    assert ask(loop, c.SetMode(mode="live")).ok
+    assert loop.session.source is before
+    frames = loop.state_dict()["counters"]["frames"]
+    run(loop, 1.0)
+    assert loop.state_dict()["counters"]["frames"] == frames + 30
+    assert loop.state_dict()["why"] == ""
+
+
+def test_a_sitting_task_is_shown_sitting_and_acted_out_sitting(loop):
+    ask(loop, plan(PlanItem(task="sit_tilt", takes=1, seconds=3.0), preview=False))
+    ask(loop, c.SetMode(mode="collect"))
+    ask(loop, c.CollectAction(action="go"))
+    until(loop, "record")
+    run(loop, 1.0)
+    tick = loop.ticks.get()
+    assert tick.state == "sit"
+    assert tick.expert == "sit"
+    until(loop, "review")
+
+
+def test_what_cannot_be_done_in_collect_is_refused_with_words(loop):
+    assert "choose mode collect first" in ask(loop, c.CollectAction(action="go")).why
+    assert ask(loop, c.SetMode(mode="collect")).ok
+    assert "first make a plan" in ask(loop, c.CollectAction(action="go")).why
+    bad = ask(loop, plan(PlanItem(task="fly")))
+    assert "unknown task" in bad.why
+    assert "no mapper to go back to" in ask(loop, c.SetMapper(back=True)).why
+    assert "unknown mapper" in ask(loop, c.SetMapper(name="nobody")).why
