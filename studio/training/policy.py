@@ -4,7 +4,6 @@ Reads top to bottom: settings, the environment as rsl-rl sees it, one iteration,
 """
 
 import contextlib
-import copy
 import io
 import json
 import logging
@@ -356,11 +355,7 @@ class PolicyTrainer:
         began = time.perf_counter()
         self.obs, figures = collect(self.alg, self.env, self.obs, self.ppo.horizon)
         collected = time.perf_counter()
-        before = copy.deepcopy(self.alg.actor.mlp.state_dict()) if self.warmup else None
-        losses = self.alg.update()
-        if before is not None:
-            self.alg.actor.mlp.load_state_dict(before)
-            self.warmup -= 1
+        losses = self._warm_up() if self.warmup else self.alg.update()
         # The adaptive rate may run up where there is little to learn; the critic shares it.
         self.alg.learning_rate = min(self.alg.learning_rate, self.ppo.max_learning_rate)
         spent = time.perf_counter() - began
@@ -377,6 +372,27 @@ class PolicyTrainer:
             "stage": float(self.env.env.curriculum.level),
         }
 
+    def _warm_up(self) -> dict[str, float]:
+        """An update of the critic alone, at a rate of its own; the actor is put back."""
+        actor = self.alg.actor
+        learnt = [p.detach().clone() for p in actor.parameters()]
+        schedule, rate = self.alg.schedule, self.alg.learning_rate
+        self._set_rate("fixed", 1e-3)
+        losses = self.alg.update()
+        self._set_rate(schedule, rate)
+        with torch.no_grad():
+            for parameter, value in zip(actor.parameters(), learnt, strict=True):
+                parameter.copy_(value)
+                # Nor may the optimiser remember steps that were taken back.
+                self.alg.optimizer.state.pop(parameter, None)
+        self.warmup -= 1
+        return losses
+
+    def _set_rate(self, schedule: str, rate: float) -> None:
+        self.alg.schedule, self.alg.learning_rate = schedule, rate
+        for group in self.alg.optimizer.param_groups:
+            group["lr"] = rate
+
     def save(self, path: Path) -> None:
         """Everything, to one file."""
         tensors = {f"actor.{k}": v for k, v in self.alg.actor.state_dict().items()}
@@ -388,6 +404,7 @@ class PolicyTrainer:
             "samples": self.samples,
             "seconds": self.seconds,
             "iteration": self.iteration,
+            "warmup": self.warmup,
             "learning_rate": self.alg.learning_rate,
             "curriculum": self.env.env.curriculum.state(),
             "random_state": checkpoint.random_state(self.env.env.rng),
@@ -411,9 +428,8 @@ class PolicyTrainer:
                     f"{path} was made with other settings; start without it"
                 ) from error
         checkpoint.restore_optimizer(self.alg.optimizer, tensors)
-        self.alg.learning_rate = facts["learning_rate"]
-        for group in self.alg.optimizer.param_groups:
-            group["lr"] = self.alg.learning_rate
+        self._set_rate(self.alg.schedule, facts["learning_rate"])
+        self.warmup = int(facts["warmup"])
         self.samples, self.seconds = int(facts["samples"]), float(facts["seconds"])
         self.iteration, self.curve = int(facts["iteration"]), list(facts["curve"])
         self.env.env.curriculum.load(facts["curriculum"])

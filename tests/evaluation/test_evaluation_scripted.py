@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.evaluation import scripted, tilt, walk
+from studio.evaluation import scripted, tilt, walk, workspace
 from studio.reference.tracks import make_track
 
 
@@ -47,3 +47,15 @@ def test_walk_rows_compare_commanded_with_achieved() -> None:
         assert row["commanded_deg_s"] == pytest.approx(turn, abs=1.0)
     fastest = next(r for r in rows if r["case"] == "0.97 m/s, 0 deg/s")
     assert fastest["achieved_m_s"] > 0.3
+
+
+def test_voxels_count_each_cube_once() -> None:
+    points = np.array([[0.001, 0.0, 0.0], [0.019, 0.01, 0.01], [0.021, 0.0, 0.0], [-0.001, 0, 0]])
+    assert workspace.voxel_volume(points, 0.02) == pytest.approx(3 * 8e-6)
+
+
+@pytest.mark.slow
+def test_tilting_widens_the_workspace() -> None:
+    (row,) = workspace.run_workspace(episodes=8)["rows"]
+    assert row["ratio"] > 1.2
+    assert row["volume_m3"] > 0.0

@@ -1,0 +1,67 @@
+"""The volume that the right front paw reaches while standing, with tilts and without."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.evaluation.scripted import controllers, record
+from studio.evaluation.tracking import commit
+from studio.reference.keyframes import Goal, keyframe_track
+from studio.robot import kinematics
+
+Array = NDArray[np.float64]
+VOXEL = 0.02
+SECONDS = 10.0
+TILT = np.radians([25.0, 25.0, 25.0])
+"""Largest tilts beside a raised paw: the library's own range."""
+
+
+def voxel_volume(points: Array, size: float = VOXEL) -> float:
+    """m³ of the cubes of edge `size` that points (N, 3) fall into."""
+    return len(np.unique(np.floor(points / size).astype(int), axis=0)) * size**3
+
+
+def run_workspace(episodes: int = 64, seed: int = 0) -> dict[str, Any]:
+    """`{"rows": [...]}` per controller: `volume_m3` of manipulation alone, `volume_tilt_m3` of
+    manipulation with tilts of as many episodes, and their `ratio` (the paper: 2.7)."""
+    rows = []
+    for controller in controllers("stand"):
+        without, survived = _reached(episodes, seed, controller, tilt=False)
+        tilted, survived_tilt = _reached(episodes, seed, controller, tilt=True)
+        volume, volume_tilt = voxel_volume(without), voxel_volume(tilted)
+        rows.append(
+            {
+                "state": "stand",
+                "controller": controller,
+                "seed": seed,
+                "episodes": episodes,
+                "commit": commit(),
+                "volume_m3": volume,
+                "volume_tilt_m3": volume_tilt,
+                "ratio": volume_tilt / volume,
+                "survived": survived,
+                "survived_tilt": survived_tilt,
+            }
+        )
+    return {"rows": rows}
+
+
+def _reached(episodes: int, seed: int, controller: str, *, tilt: bool) -> tuple[Array, float]:
+    """Positions (M, 3) m of the raised paw about where the robot stands, and the share alive."""
+    rng = np.random.default_rng([seed, int(tilt)])
+
+    def goal(rng: np.random.Generator) -> Goal:
+        return Goal(
+            reach=np.array([rng.uniform(0.25, 1.0), 0.0]),
+            reach_side=np.array([rng.uniform(-1.0, 1.0), 0.0]),
+            tilt=rng.uniform(-1.0, 1.0, 3) * TILT if tilt else np.zeros(3),
+        )
+
+    tracks = [
+        keyframe_track(rng, "stand", "manipulate_right", SECONDS, goal) for _ in range(episodes)
+    ]
+    done = record("stand", tracks, controller, seed=seed)
+    paw = kinematics.foot_pos_w(done.base_pos, done.base_quat, done.joint_pos)[:, :, 0]
+    raised = np.stack([m.foot_contact[1:, 0] < 0.5 for m in done.motions], axis=1)
+    return paw[raised & done.alive], float(done.alive[-1].mean())
