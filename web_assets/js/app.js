@@ -134,7 +134,8 @@ function drawState(state) {
   const status = $("#status");
   status.dataset.kind = stopped ? "stopped" : state.why ? "wait" : "moving";
   const doing = { stand: "standing with you", walk: "walking as you march", sit: "sitting with you", transition: "changing its stance" };
-  text($("span", status), state.why ? capital(state.why) : `Following: ${doing[state.state] ?? state.state}`);
+  text($("span", status), state.why ? capital(state.why)
+    : state.mode === "replay" ? "Replaying a take, as it was" : `Following: ${doing[state.state] ?? state.state}`);
   const { holder, pages } = state.control ?? { pages: [] };
   const mine = holder === pageName();
   const watchers = pages.length - 1;

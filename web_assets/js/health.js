@@ -80,6 +80,7 @@ function spark(canvas) {
   context.stroke();
   context.fillStyle = style.getPropertyValue("--muted");
   context.font = "11px system-ui, sans-serif";
+  context.textAlign = "left";
   context.fillText(`${top.toFixed(1)} ms`, 2, 11);
   context.textAlign = "right";
   context.fillText("a tick, last 20 s", w - 2, 11);

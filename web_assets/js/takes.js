@@ -15,7 +15,17 @@ export function startTakes(app) {
     }
     refresh();
   }));
+  const seek = (body) => attempt(() => post("/api/seek", body));
+  $("#replay-play").addEventListener("click", () => seek({ playing: !app.state.replay?.playing }));
+  $("#replay-at").addEventListener("input", (event) => seek({ t: +event.target.value, playing: false }));
+  $("#replay-speed").addEventListener("change", (event) => seek({ speed: +event.target.value }));
   refresh();
+}
+
+// As it was: both figures and the person, from the tape.
+async function replay(name) {
+  await post("/api/source", { source: `take:${name}` });
+  await post("/api/mode", { mode: "replay" });
 }
 
 async function refresh() {
@@ -33,13 +43,26 @@ async function refresh() {
     el("div", { class: "name", title: take.name }, el("b", {}, take.label || take.name),
       el("span", {}, `${(take.seconds ?? 0).toFixed(1)} s · ${take.ticks ?? 0} ticks`)),
     el("button", { title: "Let the recorded person drive the robot again", onclick: () =>
-      attempt(() => post("/api/source", { source: `take:${take.name}` })) }, "Play"),
+      attempt(() => post("/api/source", { source: `take:${take.name}` })) }, "Drive"),
+    el("button", { title: "Show the take again as it was", onclick: () => attempt(() => replay(take.name)) }, "Replay"),
     el("button", { title: "Delete (to a bin)", "aria-label": `Delete ${take.name}`, onclick: () =>
       attempt(async () => { await call("DELETE", `/api/takes/${take.name}`); refresh(); }) }, "✕"),
   )));
 }
 
+function drawReplay(replaying) {
+  $("#replay").hidden = !replaying;
+  if (!replaying) return;
+  const at = $("#replay-at");
+  at.max = replaying.seconds;
+  if (document.activeElement !== at || replaying.playing) at.value = replaying.t;
+  text($("#replay-play"), replaying.playing ? "❚❚" : "▶");
+  text($("#replay-time"), `${replaying.t.toFixed(1)} / ${replaying.seconds.toFixed(1)} s`);
+  $("#replay-speed").value = String(replaying.speed);
+}
+
 export function drawTakes(state) {
+  drawReplay(state.mode === "replay" ? state.replay : null);
   const now = state.recording ?? null;
   if (recording && !now) refresh();
   recording = now;
