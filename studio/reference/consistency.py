@@ -59,8 +59,11 @@ class ContactLock:
         self.base_pos = np.array(base_pos, dtype=np.float64)
         self.locked: Bools = np.zeros(4, dtype=bool)
         self.anchor_w = np.zeros((4, 3))
-        self._offset = np.zeros((4, 3))  # from where a foot was asked to be to where it was, world
+        self._offset = np.zeros((4, 3))  # from where a foot that let go was asked to be to its lock
+        self._lift = np.zeros(4)  # height above the floor at which each foot locked
         self._since = np.full(4, np.inf)  # s since each foot locked or let go
+        self._lag = np.zeros(4)  # m that the clip kept each foot from where it was asked to be
+        self._asked_w = np.zeros((4, 3))
         self._hop_left = np.zeros(4)  # s that each foot's correcting step still takes
         self._arm_w: Array | None = None  # feet relative to the base, world axes, as asked last
 
@@ -85,6 +88,8 @@ class ContactLock:
         arm = kinematics.foot_pos_b(joint_pos) @ turn.T
         self._hop_left = np.maximum(self._hop_left - dt, 0.0)
         want = (contact_prob > np.where(self.locked, cfg.off, cfg.on)) & (self._hop_left <= 0.0)
+        # A foot that the clip keeps from where it should land has not landed yet.
+        want &= self.locked | (self._lag < cfg.slip)
         if cfg.regrip < math.inf:
             want = self._regrip(want, self.base_pos + arm)
         stance = self.locked & want
@@ -95,19 +100,20 @@ class ContactLock:
 
         asked = self.base_pos + arm
         landed = want & ~self.locked
-        self._since = np.where(let_go | landed, 0.0, self._since + dt)
-        fade = np.maximum(1.0 - self._since / cfg.release, 0.0)
+        self._since = np.where(let_go, 0.0, self._since + dt)
         self._offset[let_go] = self.anchor_w[let_go] - asked[let_go]
+        fade = np.maximum(1.0 - self._since / cfg.release, 0.0)
         swing = asked + fade[:, None] * self._offset
         hop = cfg.hop * np.sin(math.pi * self._hop_left / cfg.hop_s)
         swing[:, 2] = np.maximum(swing[:, 2], a1.FOOT_RADIUS + hop)
 
         # A foot that locks above the floor settles on it, rather than dropping in one frame.
-        self.anchor_w[landed] = swing[landed]
-        self._offset[landed] = swing[landed] - [0.0, 0.0, a1.FOOT_RADIUS]
-        self.anchor_w[want, 2] = a1.FOOT_RADIUS + (fade * self._offset[:, 2])[want]
+        self.anchor_w[landed], self._since[landed], fade[landed] = swing[landed], 0.0, 1.0
+        self._lift[landed] = swing[landed, 2] - a1.FOOT_RADIUS
+        self.anchor_w[want, 2] = a1.FOOT_RADIUS + (fade * self._lift)[want]
         foot_w = np.where(want[:, None], self.anchor_w, swing)
         self.locked, self._arm_w = want, arm
+        self._asked_w, self._lag = foot_w, np.zeros(4)
         return self._reach(foot_w, turn)
 
     def recheck(self, joint_pos: Array, base_quat: Array) -> bool:
@@ -115,9 +121,15 @@ class ContactLock:
 
         A foot that cannot stay on its anchor is locked anew where it is, and counted in `slips`.
         """
+        arm = kinematics.foot_pos_b(joint_pos) @ scalars.matrix(base_quat.tolist()).T
+        late = self.base_pos + arm - self._asked_w
+        self._lag = np.sqrt(np.einsum("ij,ij->i", late, late))
+        # A foot that was to land but cannot get there in time is still in the air.
+        missed = self.locked & (self._since <= 0.0) & (self._lag >= self.config.slip)
+        self.locked &= ~missed
+        self._since[missed] = np.inf
         if not self.locked.any():
             return False
-        arm = kinematics.foot_pos_b(joint_pos) @ scalars.matrix(base_quat.tolist()).T
         self.base_pos = _mean((self.anchor_w - arm)[self.locked])
         return self._settle_slips(self.base_pos + arm)
 
@@ -170,12 +182,16 @@ class ContactLock:
 def limit_speed(joint_pos: Array, last: Array, speed_limit: float, dt: float) -> tuple[Array, bool]:
     """Temporal consistency: joints (12,) no further from `last` than speed_limit (rad/s) allows.
 
-    Second value: whether any joint was cut short.
+    A leg with one joint too fast is slowed as a whole: clipped joint by joint its foot would leave
+    its way, through the floor at times. Second value: whether any leg was slowed.
     """
     step = speed_limit * dt
-    delta = joint_pos - last
-    limited = np.minimum(np.maximum(delta, -step), step)
-    return last + limited, bool((np.abs(delta - limited) > 1e-9).any())
+    delta = (joint_pos - last).reshape(4, 3)
+    most = np.abs(delta).max(axis=1)
+    if most.max() <= step + 1e-9:
+        return joint_pos, False
+    share = np.minimum(step / np.maximum(most, 1e-12), 1.0)
+    return last + (share[:, None] * delta).ravel(), True
 
 
 def limit_turn(base_quat: Array, last: Array, speed_limit: float, dt: float) -> tuple[Array, bool]:

@@ -1,17 +1,19 @@
 """What a user tunes while driving: tilt gain, dead zone, speed cap; and how each one acts."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio.reference import scalars
 from studio.robot import a1, kinematics
 
 Array = NDArray[np.float64]
 
-MAX_TILT = float(np.deg2rad(45.0))
-"""A gain never tilts the trunk further from its neutral than this."""
+MAX_TILT = math.radians(40.0)
+"""The trunk is never tilted further from its neutral than this: the paper's range, and as far as
+standing legs reach. People twist by 100 degrees; mappers then say 48, and feet are torn off."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,17 +28,17 @@ class RetargetSettings:
 
 
 def shape_tilt(quat: Array, neutral: Array, settings: RetargetSettings) -> Array:
-    """The trunk (4,) with its rotation from `neutral` (4,) shrunk by the dead zone, then scaled.
+    """The trunk (4,) with its rotation from `neutral` (4,) less the dead zone, scaled, bounded.
 
     Continuous at the edge of the dead zone; both quaternions are in the state's frame.
     """
-    if settings.tilt_gain == 1.0 and settings.dead_zone == 0.0:
-        return quat
-    vec = spatial.quat_to_rotvec(spatial.quat_mul(quat, spatial.quat_conj(neutral)))
-    angle = float(np.linalg.norm(vec))
+    turn = scalars.mul(quat.tolist(), scalars.conj(neutral.tolist()))
+    vec = scalars.rotvec(turn)
+    angle = math.sqrt(vec[0] ** 2 + vec[1] ** 2 + vec[2] ** 2)
     shaped = min(settings.tilt_gain * max(0.0, angle - settings.dead_zone), MAX_TILT)
-    vec = vec * (shaped / max(angle, 1e-9))
-    return spatial.quat_mul(spatial.quat_from_rotvec(vec), neutral)
+    scale = shaped / max(angle, 1e-9)
+    shrunk = scalars.from_rotvec([scale * v for v in vec])
+    return np.array(scalars.mul(shrunk, neutral.tolist()))
 
 
 def cap_stride(joint_pos: Array, speed: float, settings: RetargetSettings) -> Array:

@@ -5,7 +5,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio import spatial
-from studio.reference.consistency import ContactLock, limit_speed, limit_turn, make_consistent
+from studio.reference.consistency import (
+    ContactConfig,
+    ContactLock,
+    limit_speed,
+    limit_turn,
+    make_consistent,
+)
 from studio.reference.motion import ReferenceMotion
 from studio.robot import a1, kinematics
 
@@ -133,3 +139,52 @@ def test_a_noisy_reference_made_consistent_skates_less_and_keeps_its_speed_limit
 
     assert skate(clean) < 0.15 * skate(motion)
     assert np.abs(clean.joint_vel).max() <= limit + 1e-9
+
+
+def test_a_foot_that_lands_again_soon_after_it_let_go_lands_where_it_is():
+    # Held 6 cm from where it was asked to be, let go for four frames, then standing again.
+    lock = standing_lock()
+    lifted = a1.STAND_JOINT_POS.copy()
+    lifted[1] += 0.3
+    lock.step(lifted, LEVEL, ALL, DT)
+    for _ in range(4):
+        flying = lock.step(lifted, LEVEL, np.array([0.0, 1.0, 1.0, 1.0]), DT)
+    before = kinematics.foot_pos_w(lock.base_pos, LEVEL, flying)[0]
+    landed = lock.step(lifted, LEVEL, ALL, DT)
+    after = kinematics.foot_pos_w(lock.base_pos, LEVEL, landed)[0]
+    assert np.linalg.norm(after - before) < 0.01
+
+
+def test_a_foot_that_the_clip_keeps_from_landing_does_not_drag_the_root():
+    lock = standing_lock()
+    up = a1.STAND_JOINT_POS.copy()
+    up[:3] = [0.0, -0.5, -1.5]  # front right paw held high
+    last = a1.STAND_JOINT_POS
+    three = np.array([0.0, 1.0, 1.0, 1.0])
+    path = []
+    for contact, asked in [(three, up)] * 30 + [(ALL, a1.STAND_JOINT_POS)] * 30:
+        wanted = lock.step(asked, LEVEL, contact, DT)
+        last, clipped = limit_speed(wanted, last, np.deg2rad(120.0), DT)
+        if clipped:
+            lock.recheck(last, LEVEL)
+        path.append(lock.base_pos.copy())
+    assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() / DT < 0.05
+    assert lock.locked.all()
+    assert lock.slips == 0
+
+
+def test_a_walking_foot_left_behind_steps_to_where_it_is_asked_to_be():
+    lock = ContactLock(ContactConfig(regrip=0.05))
+    for _ in range(10):
+        lock.step(a1.STAND_JOINT_POS, LEVEL, ALL, DT)
+    ahead = kinematics.foot_pos_b(a1.STAND_JOINT_POS)
+    ahead[0, 0] += 0.10
+    asked = kinematics.leg_ik(ahead)[0]
+    heights = []
+    for _ in range(20):
+        joints = lock.step(asked, LEVEL, ALL, DT)
+        heights.append(kinematics.foot_pos_w(lock.base_pos, LEVEL, joints)[0, 2])
+    reached = kinematics.foot_pos_b(joints)[0]
+    assert np.linalg.norm(reached[:2] - ahead[0, :2]) < 0.05
+    assert max(heights) > a1.FOOT_RADIUS + 0.02
+    assert lock.locked.all()

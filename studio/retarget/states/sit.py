@@ -8,6 +8,6 @@ SIT = ExpertSpec(
     name="sit",
     covers="deep squats and sitting, tilting there, both arms (both paws) at once",
     speed_limit=float(np.deg2rad(120.0)),
-    trunk_speed=float(np.deg2rad(90.0)),
-    root_speed=0.3,
+    trunk_speed=float(np.deg2rad(75.0)),
+    root_speed=0.2,
 )

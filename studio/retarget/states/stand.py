@@ -8,6 +8,6 @@ STAND = ExpertSpec(
     name="stand",
     covers="upright and leaning, twisting, shallow crouches, one arm (one paw) at a time",
     speed_limit=float(np.deg2rad(120.0)),
-    trunk_speed=float(np.deg2rad(90.0)),
-    root_speed=0.3,
+    trunk_speed=float(np.deg2rad(75.0)),
+    root_speed=0.2,
 )
