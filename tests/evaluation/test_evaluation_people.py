@@ -1,0 +1,78 @@
+"""The people table: rows on clips a test makes, and the goals on the real clips where present."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studio.errors import StudioError
+from studio.evaluation.people import (
+    GOAL_DROP,
+    GOAL_EACH,
+    GOAL_OVERALL,
+    GOAL_PAW,
+    frame_labels,
+    run_people,
+)
+from studio.mocap.performer import Person, perform
+from studio.recording.export.bvh import write_bvh
+from studio.reference.library import TASKS
+
+
+@pytest.fixture(scope="module")
+def table(clips: Path) -> dict[str, dict]:
+    """Rows by clip, driven by the reference itself, so that retargeting alone is judged."""
+    return {row["case"]: row for row in run_people(clips=clips, controller="pd_playback")["rows"]}
+
+
+def test_times_take_the_label_of_their_interval():
+    intervals = [{"from": 0.1, "to": 0.2, "expert": "sit"}]
+    assert frame_labels(np.array([0.0, 0.1, 0.15, 0.3]), intervals) == ["", "sit", "sit", ""]
+
+
+def test_a_clip_of_ones_own_is_scored(tmp_path: Path):
+    rng = np.random.default_rng(0)
+    someone = Person.sample(rng, "held_out", sensor="mocap").still()
+    clip = perform(TASKS["sit_quiet"].sample(rng, 3.0), someone, rng)
+    write_bvh(tmp_path / "sit.bvh", clip.joint_pos_w, 1.0 / 30.0)
+    labels = {"sit.bvh": [{"from": 0.5, "to": 2.5, "expert": "sit"}], "gone.bvh": []}
+    (tmp_path / "labels.json").write_text(json.dumps(labels))
+    row, total = run_people(clips=tmp_path, controller="pd_playback")["rows"]
+    assert row["case"] == "sit.bvh"
+    assert row["right_share"] == 1.0
+    assert row["labelled"] == 61  # 0.5 s to 2.5 s at 30 a second, both ends
+    assert row["survived"]
+    assert total["goals_met"]
+
+
+def test_a_folder_without_labels_is_refused(tmp_path: Path):
+    with pytest.raises(StudioError, match=r"labels\.json"):
+        run_people(clips=tmp_path)
+    with pytest.raises(StudioError, match="--clips"):
+        run_people()
+
+
+@pytest.mark.slow
+def test_shipped_experts_meet_the_goals_on_real_people(table: dict[str, dict]):
+    assert table["all"]["right_share"] >= GOAL_OVERALL
+    for name, row in table.items():
+        if row.get("labelled") and name != "all":
+            assert row["right_share"] >= GOAL_EACH, name
+    assert table["all"]["unknown_share"] <= 0.05
+
+
+@pytest.mark.slow
+def test_real_people_tilt_lift_and_squat_the_robot(table: dict[str, dict]):
+    twist = table["cmu_13_29_twist_torso.bvh"]["tilt_deg"]["yaw"]
+    assert twist[0] < -15.0 < 15.0 < twist[1]
+    assert table["cmu_13_29_toe_touch_bend.bvh"]["tilt_deg"]["pitch"][1] > 10.0
+    for name in ("cmu_13_29_arm_circles.bvh", "kinect_m07_arm_abduction.jsonl"):
+        paws = table[name]["paw_height_m"]
+        assert max(paws["FR"][1], paws["FL"][1]) >= GOAL_PAW, name
+    for name in ("cmu_13_29_squats.bvh", "kinect_m01_deep_squat.jsonl"):
+        row = table[name]
+        assert row["base_drop_m"] >= GOAL_DROP or row["expert_share"]["sit"] > 0.2, name
+    march = table["cmu_13_29_march_in_place.bvh"]
+    assert march["reference"]["distance_m"] > 0.5
+    assert sum(row["survived"] for row in table.values()) >= len(table) - 1
