@@ -1,7 +1,7 @@
 // The page's own line, in a worker: drawing may hold up the page, never the heartbeat. It beats
 // twenty times a second for as long as the page itself answers; a page that hangs is a lost page.
 
-const HANGS = 2000; // ms without a word from the page
+const HANGS = 5000; // ms without a word from the page
 let url = null, socket = null, wait = 250, roundTrip = 0, heard = performance.now();
 let said = { keys: [], visible: true };
 
