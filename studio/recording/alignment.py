@@ -74,6 +74,16 @@ def robot_channels(base_pos: Array, base_quat: Array, joint_pos: Array, contact:
     )
 
 
+def scaled_human(channels: Array) -> Array:
+    """(T, 7) human channels about their median, in movements: for curves beside the robot's."""
+    return (channels - np.median(channels, axis=0)) / _HUMAN_SCALE
+
+
+def scaled_robot(channels: Array) -> Array:
+    """(T, 7) robot channels about their median, in movements."""
+    return (channels - np.median(channels, axis=0)) / _ROBOT_SCALE
+
+
 def find_lag(human: Array, robot: Array, dt: float) -> Alignment:
     """The lag of `human` behind `robot`, both (T, 7) channels on one clock of period dt s.
 
@@ -81,8 +91,7 @@ def find_lag(human: Array, robot: Array, dt: float) -> Alignment:
     refines the peak by a parabola.
     """
     n = min(len(human), len(robot))
-    h = (human[:n] - np.median(human[:n], axis=0)) / _HUMAN_SCALE
-    r = (robot[:n] - np.median(robot[:n], axis=0)) / _ROBOT_SCALE
+    h, r = scaled_human(human[:n]), scaled_robot(robot[:n])
     lags = np.arange(round(MIN_LAG_S / dt), round(MAX_LAG_S / dt) + 1)
     if n <= lags[-1] + 2 or np.linalg.norm(r) < 1e-9 or np.linalg.norm(h) < 1e-9:
         return Alignment(lag=0.0, correlation=0.0, certainty=0.0)
@@ -120,12 +129,13 @@ def time_warp(human: Array, robot: Array, dt: float, *, max_shift_s: float = 0.3
     time is left alone; it is smoothed over 0.5 s, since nobody's tempo jumps.
     """
     n = min(len(human), len(robot))
-    h = (human[:n] - np.median(human[:n], axis=0)) / _HUMAN_SCALE
-    r = (robot[:n] - np.median(robot[:n], axis=0)) / _ROBOT_SCALE
+    h, r = scaled_human(human[:n]), scaled_robot(robot[:n])
     band = max(1, round(max_shift_s / dt))
     shifts = np.arange(-band, band + 1)
-    index = np.clip(np.arange(n)[:, None] + shifts, 0, n - 1)
-    cost = np.linalg.norm(h[index] - r[:, None], axis=-1)  # (T, shifts)
+    # (T, shifts), a shift at a time: an hour's human is not copied for each of them.
+    cost = np.stack(
+        [np.linalg.norm(h[np.clip(np.arange(n) + k, 0, n - 1)] - r, axis=-1) for k in shifts], -1
+    )
     # One step of robot time moves human time by 0, 1 or 2 frames: shift changes by -1, 0 or +1.
     total, back = cost[0] + 0.2 * np.abs(shifts), np.zeros((n, len(shifts)), dtype=np.int8)
     for i in range(1, n):

@@ -1,8 +1,10 @@
 """`a1-studio takes …`: one function per command, sessions folder in, plain values out."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from studio.recording import review
 from studio.recording.exports import export
 from studio.recording.library import SessionLibrary
 
@@ -55,6 +57,58 @@ def undo_take(sessions: Path, name: str) -> dict[str, Any]:
 def redo_take(sessions: Path, name: str) -> dict[str, Any]:
     """Do the last edit taken back again."""
     return SessionLibrary(sessions).redo(name).as_dict()
+
+
+def review_take(sessions: Path, name: str) -> dict[str, Any]:
+    """What was found in a take: suggestions, alignment before and proposed, score and why."""
+    return review.review(SessionLibrary(sessions), name).as_dict()
+
+
+def align_take(
+    sessions: Path, name: str, warp: bool = False, refuse: bool = False, show: bool = False
+) -> dict[str, Any]:
+    """Find how late the person was and take it out: {"before", "after", "lag", "warp"}.
+
+    warp: bend time too, where the tempo wandered. refuse: leave the take as it was acted, on
+    purpose. show: only say what would be done. `takes undo` takes it back.
+    """
+    library = SessionLibrary(sessions)
+    if show:
+        table, edits = review.open_table(sessions, name)
+        before, found = review.align(table, edits)
+    elif refuse:
+        review.refuse_alignment(library, name)
+        table, edits = review.open_table(sessions, name)
+        before = found = review.align(table, edits)[0]
+    else:
+        before, found = review.accept_alignment(library, name, warp=warp)
+        review.review(library, name)
+        table, edits = review.open_table(sessions, name)
+    return {
+        "name": name,
+        "before": None if before is None else asdict(before),
+        "after": None if found is None else asdict(found),
+        "lag": edits.lag,
+        "warp": None if edits.warp is None else len(edits.warp),
+        "certain": found is not None and found.certainty >= 0.5,
+    }
+
+
+def clean_take(sessions: Path, name: str) -> dict[str, Any]:
+    """Cut out everything a review would leave out."""
+    library = SessionLibrary(sessions)
+    edits = review.accept_suggestions(library, name)
+    return {"name": name, "cuts": edits.cuts, "score": review.review(library, name).score}
+
+
+def split_take(sessions: Path, name: str, at: float) -> dict[str, Any]:
+    """Cut a take in two at a time (s): {"takes": [the first half, the second]}."""
+    return {"takes": [half.as_dict() for half in SessionLibrary(sessions).split(name, at)]}
+
+
+def restore_take(sessions: Path, name: str) -> dict[str, Any]:
+    """Bring the take of this name that was deleted last back from the bin."""
+    return SessionLibrary(sessions).restore(name).as_dict()
 
 
 def verify_takes(sessions: Path, name: str | None = None) -> dict[str, Any]:

@@ -1,19 +1,22 @@
 """What was decided about a take, as a log beside its tape: appended, replayed, undone, redone.
 
 `edits.jsonl` holds a JSON object a line: {"time", "set": {field: value}} or {"time", "undo": true}
-or {"time", "redo": true}. The tape is never touched.
+or {"time", "redo": true}; and {"time", "found": {field: value}} for what a review measured, which
+nobody decided and nobody undoes. The tape is never touched.
 """
 
 import math
 import os
 from dataclasses import dataclass, fields
 from datetime import datetime
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import msgspec
 
 from studio.errors import StudioError, unknown_name
+from studio.recording.names import check_name
 
 EDITS = "edits.jsonl"
 
@@ -22,19 +25,27 @@ EDITS = "edits.jsonl"
 class Edits:
     """The present value of every edit; None: never set.
 
-    label. note. trim: (start, end) s into the take. lag: s by which the human is ahead of the
-    robot. keep: True kept, False rejected. score: [0, 1].
+    label. note. trim: (start, end) s into the take. lag: s by which the person is late (> 0), so
+    that what belongs to the robot at t was acted at t + lag; 0: left as it is on purpose. warp:
+    ((t, shift), ...) s, added to the lag at robot time t, linear between. cuts: ((start, end), ...)
+    s left out, sorted and apart. splits: names of the takes that were split off the end, in order.
+    keep: True kept, False rejected. score: [0, 1].
     """
 
     label: str | None = None
     note: str | None = None
     trim: tuple[float, float] | None = None
     lag: float | None = None
+    warp: tuple[tuple[float, float], ...] | None = None
+    cuts: tuple[tuple[float, float], ...] | None = None
+    splits: tuple[str, ...] | None = None
     keep: bool | None = None
     score: float | None = None
 
 
 FIELDS = tuple(f.name for f in fields(Edits))
+MAX_LAG, MAX_ROWS = 10.0, 20_000
+"""s; rows of a warp or of cuts."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +69,7 @@ def read_edits(folder: Path) -> EditLog:
     done: list[dict[str, Any]] = []
     undone: list[dict[str, Any]] = []
     problems: list[str] = []
+    found: dict[str, Any] = {}
     for number, line in enumerate(lines, 1):
         try:
             row = msgspec.json.decode(line)
@@ -65,14 +77,16 @@ def read_edits(folder: Path) -> EditLog:
                 undone.append(done.pop())
             elif row.get("redo"):
                 done.append(undone.pop())
+            elif "found" in row:
+                found |= _checked(row["found"])
             else:
                 done.append(_checked(row["set"]))
                 undone.clear()
         except (ValueError, StudioError, KeyError, AttributeError, IndexError) as error:
             problems.append(f"{EDITS} line {number} is left out: {error or 'damaged'}")
-    values: dict[str, Any] = {}
+    values = found
     for changes in done:
-        values |= changes
+        values = values | changes
     return EditLog(
         edits=Edits(**values), undoable=len(done), redoable=len(undone), problems=tuple(problems)
     )
@@ -81,6 +95,11 @@ def read_edits(folder: Path) -> EditLog:
 def edit(folder: Path, **changes: Any) -> EditLog:
     """Set fields of Edits (None clears one) as one step that can be undone."""
     return _append(folder, {"set": _checked(changes)})
+
+
+def record(folder: Path, **found: Any) -> EditLog:
+    """Keep what was measured, until somebody decides otherwise; no step that could be undone."""
+    return _append(folder, {"found": _checked(found)})
 
 
 def undo(folder: Path) -> EditLog:
@@ -135,19 +154,60 @@ def _checked_value(key: str, value: Any) -> Any:
         if not isinstance(value, bool):
             raise StudioError("keep is true or false")
         return value
+    if key == "splits":
+        return tuple(check_name(name) for name in _rows(key, value)) or None
     if key == "trim":
-        if not isinstance(value, list | tuple) or len(value) != 2:
-            raise StudioError("a trim is [start, end] in seconds")
-        start, end = (_number("a trim", v) for v in value)
-        if not 0.0 <= start < end:
-            raise StudioError("a trim is [start, end] in seconds, 0 <= start < end")
-        return (start, end)
+        return _stretch("a trim", value)
+    if key == "cuts":
+        cuts = [_stretch("a cut", row) for row in _rows(key, value)]
+        return _joined(cuts) or None
+    if key == "warp":
+        warp = [_pair("a row of a warp", row) for row in _rows(key, value)]
+        if any(b[0] <= a[0] for a, b in pairwise(warp)):
+            raise StudioError("a warp is [[t, shift], ...] in seconds, t ascending")
+        if any(b[0] + b[1] < a[0] + a[1] for a, b in pairwise(warp)):
+            raise StudioError("a warp must not let the person's time run backwards")
+        if any(abs(shift) > MAX_LAG for _, shift in warp):
+            raise StudioError(f"a warp shifts by at most {MAX_LAG:g} s")
+        return tuple(warp) or None
     number = _number(f"a {key}", value)
     if key == "score" and not 0.0 <= number <= 1.0:
         raise StudioError("a score is between 0 and 1")
-    if key == "lag" and abs(number) > 10.0:
-        raise StudioError("a lag is at most 10 s")
+    if key == "lag" and abs(number) > MAX_LAG:
+        raise StudioError(f"a lag is at most {MAX_LAG:g} s")
     return number
+
+
+def _rows(key: str, value: Any) -> list[Any] | tuple[Any, ...]:
+    if not isinstance(value, list | tuple) or len(value) > MAX_ROWS:
+        raise StudioError(f"{key} is a list of at most {MAX_ROWS} rows")
+    return value
+
+
+def _pair(what: str, value: Any) -> tuple[float, float]:
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise StudioError(f"{what} is two numbers, in seconds")
+    return _number(what, value[0]), _number(what, value[1])
+
+
+def _stretch(what: str, value: Any) -> tuple[float, float]:
+    if not isinstance(value, list | tuple) or len(value) != 2:
+        raise StudioError(f"{what} is [start, end] in seconds")
+    start, end = _pair(what, value)
+    if not 0.0 <= start < end:
+        raise StudioError(f"{what} is [start, end] in seconds, 0 <= start < end")
+    return start, end
+
+
+def _joined(stretches: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
+    """Sorted; those that touch or overlap as one."""
+    out: list[tuple[float, float]] = []
+    for start, end in sorted(stretches):
+        if out and start <= out[-1][1]:
+            out[-1] = out[-1][0], max(end, out[-1][1])
+        else:
+            out.append((start, end))
+    return tuple(out)
 
 
 def _number(what: str, value: Any) -> float:

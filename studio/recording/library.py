@@ -9,6 +9,7 @@ import fcntl
 import logging
 import os
 import shutil
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
@@ -116,14 +117,51 @@ class SessionLibrary:
         return self._examine(folder)
 
     def undo(self, name: str) -> TakeInfo:
-        """Take the last edit back."""
-        edit_log.undo(self.folder(name))
-        return self.info(name)
+        """Take the last edit back; a split's other half goes to the bin."""
+        return self._step(name, edit_log.undo)
 
     def redo(self, name: str) -> TakeInfo:
-        """Do the last edit taken back again."""
-        edit_log.redo(self.folder(name))
+        """Do the last edit taken back again; a split's other half comes back from the bin."""
+        return self._step(name, edit_log.redo)
+
+    def _step(self, name: str, step: Callable[[Path], EditLog]) -> TakeInfo:
+        folder = self.folder(name)
+        before = set(edit_log.read_edits(folder).edits.splits or ())
+        after = set(step(folder).edits.splits or ())
+        with contextlib.suppress(StudioError):  # deleted or restored by hand meanwhile
+            for half in before - after:
+                self.delete(half)
+            for half in after - before:
+                self.restore(half)
         return self.info(name)
+
+    def split(self, name: str, at: float) -> tuple[TakeInfo, TakeInfo]:
+        """Cut a take in two at `at` s: it ends there, a second take of the same tape goes on.
+
+        Both keep label, note, lag, warp and cuts. Undo of the first joins them again. Raises
+        StudioError when `at` does not leave something on both sides.
+        """
+        folder = self.folder(name)
+        if _is_recording(folder):
+            raise StudioError(f"take {name} is being recorded: stop it first")
+        edits = edit_log.read_edits(folder).edits
+        start, end = edits.trim or (0.0, self._examine(folder).seconds)
+        if not start < at < end:
+            raise StudioError(f"a split must lie within the take: {start:g} < at < {end:g} s")
+        number = 2
+        while (self.root / f"{name}-{number}").exists():
+            number += 1
+        other = self.add(folder, f"{name}-{number}", link=True)
+        try:
+            # The other half begins with no history: its edits so far are the whole take's.
+            (self.root / other / EDITS).unlink(missing_ok=True)
+            kept = {k: v for k, v in asdict(edits).items() if v is not None}
+            kept = {k: v for k, v in kept.items() if k not in ("splits", "score", "keep")}
+            edit_log.record(self.root / other, **kept | {"trim": (at, end)})
+        except OSError as error:
+            raise StudioError(f"take {name} was not split: {error.strerror}") from error
+        splits = (*(edits.splits or ()), other)
+        return self.edit(name, trim=(start, at), splits=splits), self.info(other)
 
     def delete(self, name: str) -> Path:
         """Move a take into the bin (`.bin` in the folder); where it lies now."""
@@ -138,10 +176,40 @@ class SessionLibrary:
             raise StudioError(f"take {name} was not deleted: {error.strerror}") from error
         return target
 
-    def add(self, folder: Path, name: str | None = None) -> str:
-        """Copy a take's folder from elsewhere into the library; its name here."""
+    def deleted(self) -> Names:
+        """Names of the takes in the bin, the last one deleted last."""
+        found = sorted(
+            (stamp, name)
+            for path in (self.root / BIN).glob("*")
+            for name, _, stamp in [path.name.partition(".")]
+            if stamp and path.is_dir()
+        )
+        return list(dict.fromkeys(name for _, name in found))
+
+    def restore(self, name: str) -> TakeInfo:
+        """Bring the take of this name that was deleted last back from the bin."""
+        target = take_folder(self.root, name)
+        found = sorted((self.root / BIN).glob(f"{name}.*"))
+        if not found:
+            known = ", ".join(self.deleted()[-8:]) or "nothing"
+            raise StudioError(f"no take {name!r} in the bin; it holds: {known}")
+        if target.exists():
+            raise StudioError(f"a take named {name} exists: delete that one first")
+        try:
+            found[-1].rename(target)
+            os.utime(target)
+        except OSError as error:
+            raise StudioError(f"take {name} was not restored: {error.strerror}") from error
+        return self.info(name)
+
+    def add(self, folder: Path, name: str | None = None, *, link: bool = False) -> str:
+        """Copy a take's folder from elsewhere into the library; its name here.
+
+        link: share the tape with the original, which is never written to again.
+        """
         source = Path(folder)
-        take = read_take(source)  # refuses what is no take, or of another version
+        if not link:
+            read_take(source)  # refuses what is no take, or of another version
         name = name or source.name
         target = take_folder(self.root, name)
         if target.exists():
@@ -151,11 +219,14 @@ class SessionLibrary:
         try:
             temporary.mkdir(parents=True)
             for file in files:
-                shutil.copyfile(file, temporary / file.name)
+                if link and file.name == TAPE:
+                    _share(file, temporary / file.name)
+                else:
+                    shutil.copyfile(file, temporary / file.name)
             temporary.rename(target)
         except OSError as error:
             shutil.rmtree(temporary, ignore_errors=True)
-            raise StudioError(f"{take.name} was not imported: {error.strerror}") from error
+            raise StudioError(f"{source.name} was not imported: {error.strerror}") from error
         return name
 
     def _names(self) -> Names:
@@ -216,6 +287,13 @@ class SessionLibrary:
         with contextlib.suppress(OSError):  # a folder that cannot be written is listed slower
             temporary.write_bytes(msgspec.json.encode(_Index(version=_INDEX_VERSION, takes=takes)))
             temporary.replace(self.root / INDEX)
+
+
+def _share(file: Path, target: Path) -> None:
+    try:
+        target.hardlink_to(file)
+    except OSError:  # a file system without links
+        shutil.copyfile(file, target)
 
 
 class _Index(msgspec.Struct):

@@ -1,0 +1,224 @@
+"""How late a person was: the lag at which the shown robot motion explains the person best.
+
+A linear model of the person's body on the robot's pose (and its squares) is fitted at every lag;
+the residual's covariance says how likely the lag is:
+
+    log L(k) = -n/2 log det cov(H(t + k) - B R(t)),   n: independent samples
+
+so that no gain of a person's is assumed, and noise common to many joints (sway, a sensor that
+wanders) counts once. Both sides are band-passed: what is slower than a movement is drift, what is
+faster is noise. A gait is told by when feet leave the floor: a person's foot stays up longer than
+the robot's, so that the middles of their steps do not coincide, but both lift at the same beat.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.signal import butter, sosfiltfilt
+
+from studio import spatial
+from studio.human.skeleton import INDEX
+from studio.recording.alignment import (
+    MAX_LAG_S,
+    MIN_LAG_S,
+    Alignment,
+    human_channels,
+    robot_channels,
+)
+from studio.robot import a1, kinematics
+
+Array = NDArray[np.float64]
+
+BAND_HZ = (0.3, 4.0)
+DIMS = 12
+RANK = 3
+SQUARES = True
+"""Principal components of the person's motion that are explained."""
+STEP_SHARES, STEP_SKEWS = (0.38, 0.46, 0.54), (0.75, 1.0, 1.33)
+"""A person's step: share of the stride in the air, and how early it is highest (> 1: late)."""
+STILL = 0.003
+"""m, rad, m/s: what spreads less than this does not move; quiet standing sways less."""
+_LIFTED = 0.004
+"""m: a sole this high has left the floor."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HumanSide:
+    """channels (T, 7) of `alignment`; pose (T, 55): joints about the pelvis and its height, m."""
+
+    channels: Array
+    pose: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotSide:
+    """channels (T, 7) of `alignment`; shown (T, P): what the robot's pose says; lifts: times (s)
+    at which the front (left, right) foot leaves the floor."""
+
+    channels: Array
+    shown: Array
+    lifts: tuple[Array, Array]
+
+
+def human_side(joint_pos: Array) -> HumanSide:
+    """Of joints (T, 19, 3) m in any heading."""
+    x = joint_pos - joint_pos[:, :1]
+    side = np.median(x[:, INDEX["l_hip"]] - x[:, INDEX["r_hip"]], axis=0)
+    x = spatial.quat_rotate_inverse(
+        spatial.quat_from_rpy([0.0, 0.0, np.arctan2(-side[0], side[1])]), x
+    )
+    height = -x[:, [INDEX["l_ankle"], INDEX["r_ankle"]], 2].min(axis=1)
+    pose = np.concatenate([x[:, 1:].reshape(len(x), -1), height[:, None]], axis=1)
+    return HumanSide(channels=human_channels(joint_pos), pose=pose)
+
+
+def robot_side(base_pos: Array, base_quat: Array, joint_pos: Array, contact: Array) -> RobotSide:
+    """Of poses (T, 3), (T, 4), (T, 12) and contacts (T, 4) at 30 Hz."""
+    foot = kinematics.foot_pos_w(base_pos, base_quat, joint_pos)
+    walks = np.linalg.norm(base_pos[:, :2] - base_pos[0, :2], axis=-1).max() > 0.15
+    if walks:
+        yaw = np.unwrap(spatial.heading(base_quat))
+        ahead = np.stack([np.cos(yaw), np.sin(yaw)], axis=-1)
+        vel = np.gradient(base_pos[:, :2], a1.CONTROL_DT, axis=0)
+        speed = _smooth(np.einsum("ti,ti->t", vel, ahead))
+        columns = [speed, _smooth(np.gradient(yaw, a1.CONTROL_DT)), base_pos[:, 2]]
+    else:
+        # About the first pose: upright in sit, Euler angles of the trunk are singular.
+        tilt = spatial.quat_to_rotvec(spatial.quat_mul(spatial.quat_conj(base_quat[:1]), base_quat))
+        paw = foot[:, :2] - base_pos[:, None]
+        columns = [*tilt.T, base_pos[:, 2], *paw.reshape(len(paw), 6).T]
+    lifts = _lift_offs(foot[:, 1, 2]), _lift_offs(foot[:, 0, 2])
+    gait = walks or min(len(lifts[0]), len(lifts[1])) >= 2
+    return RobotSide(
+        channels=robot_channels(base_pos, base_quat, joint_pos, contact),
+        shown=np.stack(columns, axis=-1),
+        lifts=lifts if gait else (np.zeros(0), np.zeros(0)),
+    )
+
+
+def _smooth(x: Array) -> Array:
+    kernel = np.hanning(11) / np.hanning(11).sum()
+    return np.convolve(np.pad(x, 5, mode="edge"), kernel, "valid")
+
+
+def _lift_offs(foot_z: Array) -> Array:
+    """Times (s) at which a sole rises over _LIFTED, between frames by a straight line."""
+    z = foot_z - a1.FOOT_RADIUS - _LIFTED
+    i = np.flatnonzero((z[:-1] <= 0.0) & (z[1:] > 0.0))
+    # The foot rises smoothly from rest: it left the floor about a frame before.
+    return (i + z[i] / (z[i] - z[i + 1]) - 0.5) * a1.CONTROL_DT
+
+
+def _steps(lifts: tuple[Array, Array], n: int, share: float, skew: float) -> Array:
+    """(T, 2) how high a person who lifts (left, right) at these times has the feet, [0, 1]."""
+    t, out = np.arange(n) * a1.CONTROL_DT, np.zeros((n, 2))
+    beats = np.sort(np.concatenate(lifts))
+    for foot, own in enumerate(lifts):
+        for lift in own:
+            later = beats[beats > lift + 0.1]
+            earlier = beats[beats < lift - 0.1]
+            halves = [*(later[:1] - lift), *(lift - earlier[-1:])]
+            half = min([*halves, 1.7])
+            u = np.clip((t - lift) / (2.0 * share * half), 0.0, 1.0) ** skew
+            out[:, foot] += np.sin(np.pi * u) ** 2
+    return out
+
+
+def align(human: HumanSide, robot: RobotSide, dt: float) -> Alignment:
+    """The likeliest lag of MIN_LAG_S to MAX_LAG_S; lag, correlation and certainty 0 if nothing
+    moves. Takes are at rest at both ends: there, the last pose is taken to last."""
+    curve = _likelihood(human, robot, dt)
+    if curve is None:
+        return Alignment(lag=0.0, correlation=0.0, certainty=0.0)
+    lags, score, explained = curve
+    best = int(np.argmax(score))
+    rivals = score[np.abs(lags - lags[best]) * dt > 0.1]
+    odds = score[best] - rivals.max(initial=-np.inf)
+    return Alignment(
+        lag=float((lags[best] + _vertex(score, best)) * dt),
+        correlation=float(np.sqrt(max(0.0, explained[best]))),
+        certainty=float(1.0 - np.exp(-max(0.0, odds) / 4.0)),
+    )
+
+
+def agreement(human: HumanSide, robot: RobotSide, dt: float, lag: float) -> Alignment:
+    """How well a given lag explains the person; certainty is not judged (1)."""
+    curve = _likelihood(human, robot, dt, np.array([round(lag / dt)]))
+    if curve is None:
+        return Alignment(lag=lag, correlation=0.0, certainty=0.0)
+    return Alignment(lag=lag, correlation=float(np.sqrt(max(0.0, curve[2][0]))), certainty=1.0)
+
+
+def _likelihood(
+    human: HumanSide, robot: RobotSide, dt: float, lags: Array | None = None
+) -> tuple[Array, Array, Array] | None:
+    """Lags (frames), log likelihood and share explained at each; None when nothing moves."""
+    n = min(len(human.pose), len(robot.shown))
+    shown = _scaled(robot.shown[:n])
+    if n < 30 or (shown.shape[1] == 0 and not len(robot.lifts[0])):
+        return None
+    if SQUARES:
+        shown = np.concatenate([shown, shown**2], axis=1)
+    if lags is None:
+        lags = np.arange(round(MIN_LAG_S / dt), round(MAX_LAG_S / dt) + 1)
+    body = _band(human.pose[:n])
+    body -= body.mean(axis=0)
+    values, vectors = np.linalg.eigh(body.T @ body)
+    parts = body @ vectors[:, -DIMS:]
+    if values[-1] < 1e-12:
+        return None
+    shapes = [(a, b) for a in STEP_SHARES for b in STEP_SKEWS] if len(robot.lifts[0]) else [None]
+    score, explained = np.full(len(lags), -np.inf), np.zeros(len(lags))
+    samples = 2.0 * BAND_HZ[1] * dt * n
+    for shape in shapes:
+        extra = np.zeros((n, 0)) if shape is None else _steps(robot.lifts, n, *shape)
+        basis = _basis(_band(np.concatenate([shown, extra], axis=1)))
+        for j, k in enumerate(lags):
+            y = parts[np.clip(np.arange(n) + int(k), 0, n - 1)]
+            y = y - y.mean(axis=0)
+            rest = y - basis @ (basis.T @ y)
+            cov = rest.T @ rest / n
+            whole = y.T @ y / n + 1e-9 * np.eye(len(cov))
+            ratio = np.linalg.eigvalsh(
+                np.linalg.solve(
+                    np.linalg.cholesky(whole), np.linalg.solve(np.linalg.cholesky(whole), cov).T
+                )
+            )
+            level = -0.5 * samples * np.sum(np.log(np.maximum(np.sort(ratio)[:RANK], 1e-6)))
+            if level > score[j]:
+                score[j], explained[j] = level, 1.0 - np.sum(rest**2) / max(np.sum(y**2), 1e-12)
+    return lags, score, explained
+
+
+def _scaled(x: Array) -> Array:
+    """Columns that change, as z-scores."""
+    spread = x.std(axis=0)
+    moving = spread > STILL
+    return (x[:, moving] - np.median(x[:, moving], axis=0)) / spread[moving]
+
+
+def _basis(x: Array) -> Array:
+    """Orthonormal columns (T, K) spanning x, without directions in which hardly anything is."""
+    u, s, _ = np.linalg.svd(x - x.mean(axis=0), full_matrices=False)
+    return u[:, s > 0.02 * max(s[0], 1e-9)]
+
+
+@lru_cache(maxsize=4)
+def _filter(low: float, high: float) -> Array:
+    return butter(2, [low, high], "band", fs=a1.CONTROL_HZ, output="sos")
+
+
+def _band(x: Array) -> Array:
+    padded = np.pad(x, ((45, 45), (0, 0)), mode="edge")
+    return sosfiltfilt(_filter(*BAND_HZ), padded, axis=0)[45:-45]
+
+
+def _vertex(score: Array, i: int) -> float:
+    """Offset of the parabola's vertex through three neighbours, in samples; 0 at an end."""
+    if not 0 < i < len(score) - 1:
+        return 0.0
+    a, b, c = score[i - 1 : i + 2]
+    bend = a - 2 * b + c
+    return float(np.clip(0.5 * (a - c) / bend, -0.5, 0.5)) if bend < -1e-12 else 0.0

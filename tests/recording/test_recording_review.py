@@ -1,0 +1,263 @@
+"""Reviewing a take: what is found, what is accepted becomes an edit, what is undone is gone."""
+
+import resource
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+from acted_takes import acted_take, record
+from make_ticks import make_ticks
+
+from studio.errors import StudioError
+from studio.recording import commands, review
+from studio.recording.columns import ROW, Columns, columns
+from studio.recording.edits import Edits, edit, read_edits
+from studio.recording.library import SessionLibrary
+from studio.recording.take import Recorder, read_take
+
+DT = 1.0 / 30.0
+
+
+@pytest.fixture(scope="module")
+def acted():
+    return acted_take(
+        "manipulate_left", np.random.default_rng(4), lag=0.5, fidgets=False, sensor="mocap"
+    )
+
+
+@pytest.fixture
+def library(tmp_path: Path, acted) -> SessionLibrary:
+    record(acted, tmp_path, "one")
+    return SessionLibrary(tmp_path)
+
+
+def test_the_table_holds_what_the_tape_holds(library: SessionLibrary):
+    take, table = read_take(library.folder("one")), columns(library.folder("one"))
+    assert len(table) == len(take)
+    arrays = take.arrays
+    for key in ("base_pos", "base_quat", "joint_pos", "foot_contact"):
+        np.testing.assert_allclose(table.rows[f"reference_{key}"], arrays.reference[key], atol=1e-6)
+        np.testing.assert_allclose(table.rows[f"robot_{key}"], arrays.robot[key], atol=1e-6)
+    assert take.human is not None
+    np.testing.assert_allclose(table.rows["human"], take.human.joint_pos_w, atol=1e-6)
+    assert [table.names[i] for i in table.rows["state"]] == arrays.state
+
+
+def test_the_table_is_built_once_and_again_when_the_tape_changes(tmp_path: Path):
+    recorder = Recorder(tmp_path)
+    recorder.start(name="t")
+    ticks = list(make_ticks(60))
+    for tick in ticks[:30]:
+        recorder.append(tick)
+    assert len(columns(tmp_path / "t")) == 30
+    for tick in ticks[30:]:
+        recorder.append(tick)
+    recorder.close()
+    table = columns(tmp_path / "t")
+    assert len(table) == 60
+    assert isinstance(table.rows, np.memmap)
+    before = (tmp_path / ".cache" / "t.rows").stat().st_mtime_ns
+    columns(tmp_path / "t")
+    assert (tmp_path / ".cache" / "t.rows").stat().st_mtime_ns == before
+
+
+def test_a_folder_that_cannot_be_written_is_reviewed_all_the_same(
+    library: SessionLibrary, monkeypatch: pytest.MonkeyPatch
+):
+    def refuse(*_: object, **__: object) -> None:
+        raise OSError(30, "read-only file system")
+
+    monkeypatch.setattr(Path, "mkdir", refuse)
+    assert len(columns(library.folder("one"))) > 200
+
+
+def test_a_late_person_is_found_accepted_and_undone(library: SessionLibrary, acted):
+    before = commands.align_take(library.root, "one", show=True)
+    assert before["lag"] is None
+    assert before["after"]["lag"] == pytest.approx(acted.lag, abs=DT)
+    done = commands.align_take(library.root, "one")
+    assert done["lag"] == pytest.approx(acted.lag, abs=DT)
+    assert done["after"]["correlation"] > done["before"]["correlation"] + 0.1
+    assert library.undo("one").lag is None
+    assert library.redo("one").lag == done["lag"]
+    commands.align_take(library.root, "one", refuse=True)
+    assert library.info("one").lag == 0.0
+
+
+def test_an_aligned_window_shows_the_person_who_acted_at_t_plus_lag(library: SessionLibrary):
+    edit(library.folder("one"), lag=0.5)
+    table, edits = review.open_table(library.root, "one")
+    raw = review.window(table, edits, 0.0, 99.0, aligned=False)
+    aligned = review.window(table, edits, 0.0, 99.0)
+    np.testing.assert_allclose(aligned["human"][:-15], raw["human"][15:], atol=1e-6)
+    np.testing.assert_array_equal(aligned["reference_joint_pos"], raw["reference_joint_pos"])
+    half = review.window(table, edits, 1.0, 2.0)
+    np.testing.assert_allclose(half["human"], aligned["human"][30:60], atol=1e-6)
+    thin = review.window(table, edits, 0.0, 99.0, most=50)
+    assert len(thin["t"]) <= 50
+    assert thin["t"][-1] > table.seconds - 0.5
+
+
+def test_a_warp_is_kept_and_read_back(library: SessionLibrary):
+    done = commands.align_take(library.root, "one", warp=True)
+    log = read_edits(library.folder("one"))
+    assert log.problems == ()
+    assert log.edits.warp is not None
+    assert done["warp"] == len(log.edits.warp)
+    table, edits = review.open_table(library.root, "one")
+    rows = review.human_rows(np.arange(len(table)), edits)
+    assert np.all(np.diff(rows) >= -1e-6)
+
+
+def test_the_score_is_listed_and_is_no_step_to_undo(library: SessionLibrary):
+    found = review.review(library, "one")
+    assert library.list()[0].score == pytest.approx(found.score)
+    assert library.info("one").undoable == 0
+    assert 0.0 < found.score <= 1.0
+    assert found.score == pytest.approx(found.quality.score / 100.0, abs=1e-4)
+    assert sum(r.points for r in found.quality.reasons) == pytest.approx(
+        100.0 - found.quality.score, abs=1e-6
+    )
+
+
+def test_aligning_a_late_take_raises_its_score(library: SessionLibrary):
+    late = review.review(library, "one")
+    assert "lag" in {r.name for r in late.quality.reasons}
+    review.accept_alignment(library, "one")
+    assert review.review(library, "one").score > late.score
+
+
+def test_a_decided_score_stands_over_a_measured_one(library: SessionLibrary):
+    library.edit("one", score=0.2)
+    review.review(library, "one")
+    assert library.info("one").score == 0.2
+
+
+def spoiled(rows: np.ndarray) -> np.ndarray:
+    """Three faults: a frozen second, a limb swap and a dropped half second."""
+    rows = rows.copy()
+    rows["human"][60:90] = rows["human"][60]
+    left, right = [6, 7], [9, 10]
+    rows["human"][150:170][:, left + right] = rows["human"][150:170][:, right + left]
+    rows["human_t"][200:] += 0.5
+    return rows
+
+
+def test_faults_are_suggested_where_they_are(library: SessionLibrary):
+    table = columns(library.folder("one"))
+    found = review.suggestions(Columns(rows=spoiled(table.rows), names=table.names))
+    by_kind = {s.kind: s for s in found}
+    assert by_kind["frozen"].start == pytest.approx(2.0, abs=DT)
+    assert by_kind["frozen"].end == pytest.approx(89 * DT, abs=DT)
+    assert by_kind["dropped"].start == pytest.approx(199 * DT, abs=DT)
+    # Where a block ends no fault is found twice or missed.
+    for seconds in (2.1, 3.0, 5.5):
+        size, review.BLOCK_S = review.BLOCK_S, seconds
+        try:
+            again = review.suggestions(Columns(rows=spoiled(table.rows), names=table.names))
+        finally:
+            review.BLOCK_S = size
+        assert [s.kind for s in again].count("dropped") == 1
+        assert [s.kind for s in again].count("frozen") >= 1
+
+
+def test_what_is_cut_or_trimmed_counts_no_more(library: SessionLibrary):
+    edits = Edits(trim=(1.0, 5.0), cuts=((2.0, 3.0),))
+    keep = review.kept(240, edits)
+    t = np.arange(240) / 30.0
+    np.testing.assert_array_equal(keep, (t >= 1.0) & (t < 5.0) & ~((t >= 2.0) & (t <= 3.0)))
+    library.edit("one", cuts=[[0.0, 1.0], [0.5, 2.0], [4.0, 5.0]])
+    assert read_edits(library.folder("one")).edits.cuts == ((0.0, 2.0), (4.0, 5.0))
+    assert review.review(library, "one").kept_seconds == pytest.approx(
+        columns(library.folder("one")).seconds - 3.0, abs=0.1
+    )
+
+
+def test_a_split_makes_two_takes_and_undo_joins_them(library: SessionLibrary):
+    seconds = library.info("one").seconds
+    library.edit("one", lag=0.25)
+    first, second = library.split("one", 4.0)
+    assert (first.trim, second.trim) == ((0.0, 4.0), (4.0, seconds))
+    assert second.lag == 0.25
+    assert second.undoable == 0
+    third = library.split("one", 2.0)[1]
+    assert [t.name for t in library.list()] == ["one", second.name, third.name]
+    assert library.undo("one").trim == (0.0, 4.0)
+    assert [t.name for t in library.list()] == ["one", second.name]
+    library.undo("one")
+    assert [t.name for t in library.list()] == ["one"]
+    library.redo("one")
+    library.redo("one")
+    assert [t.name for t in library.list()] == ["one", second.name, third.name]
+    assert library.info(third.name).trim == (2.0, 4.0)
+    with pytest.raises(StudioError, match="within the take"):
+        library.split("one", 3.0)
+
+
+def test_what_was_deleted_comes_back(library: SessionLibrary):
+    library.edit("one", label="mine")
+    library.delete("one")
+    assert library.list() == []
+    assert library.deleted() == ["one"]
+    assert commands.restore_take(library.root, "one")["label"] == "mine"
+    with pytest.raises(StudioError, match="in the bin"):
+        library.restore("one")
+
+
+def test_a_take_in_which_nothing_moves_says_that_it_cannot_be_aligned(tmp_path: Path):
+    quiet = acted_take("quiet", np.random.default_rng(0), lag=0.0, seconds=3.0)
+    motion = quiet.motion
+    frozen = {
+        key: np.repeat(getattr(motion, key)[:1], len(motion), axis=0)
+        for key in ("base_pos", "base_quat", "joint_pos", "foot_contact")
+    }
+    record(replace(quiet, motion=replace(motion, **frozen)), tmp_path, "still")
+    with pytest.raises(StudioError, match="nothing moves"):
+        review.accept_alignment(SessionLibrary(tmp_path), "still")
+    assert review.review(SessionLibrary(tmp_path), "still").found is None
+
+
+@pytest.mark.slow
+def test_an_hour_is_reviewed_in_bounded_memory_and_scrubs_at_once(tmp_path: Path, acted):
+    """108,000 ticks: a review stays under 250 MB, a window under 30 ms."""
+    record(acted, tmp_path, "seed")
+    short = columns(tmp_path / "seed").rows
+    folder = tmp_path / "hour"
+    folder.mkdir()
+    (folder / "tape.mcap").write_bytes((tmp_path / "seed" / "tape.mcap").read_bytes())
+    stat = (folder / "tape.mcap").stat()
+    repeats = -(-108_000 // len(short))
+    with (tmp_path / ".cache" / "hour.rows").open("wb") as file:
+        for i in range(repeats):
+            part = short.copy()
+            part["human_t"] += i * len(short) * DT
+            file.write(part.tobytes())
+    import msgspec
+
+    about = {
+        "key": [1, stat.st_size, stat.st_mtime_ns],
+        "rows": repeats * len(short),
+        "names": list(columns(tmp_path / "seed").names),
+    }
+    (tmp_path / ".cache" / "hour.json").write_bytes(msgspec.json.encode(about))
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    table, edits = columns(folder), Edits(lag=0.4)
+    assert len(table) >= 108_000
+    found = review.review(SessionLibrary(tmp_path), "hour")
+    assert found.found is not None
+    review.overview(table, edits)
+    grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
+    assert grown < 250.0, f"{grown:.0f} MB"
+    times = []
+    for start in np.random.default_rng(0).uniform(0.0, 3500.0, 50):
+        begin = time.process_time()
+        review.window(table, edits, float(start), float(start) + 10.0)
+        times.append(time.process_time() - begin)
+    assert np.quantile(times, 0.95) < 0.03
+    assert ROW.itemsize * 108_000 < 80e6
