@@ -147,7 +147,9 @@ class Retargeter:
         lap("selector")
         mapped = self.experts.mappers[self._planting.state](triplet)
         lap("mapper")
-        lost = choice.expert == "unknown" or self._silence > HOLD
+        # Whoever locks a state wants it driven, however far the motion is from the training data.
+        unknown = choice.expert == "unknown" and self.selector.lock is None
+        lost = unknown or self._silence > HOLD
         reference, clipped = self._planting.step(self._toward_neutral(mapped, lost, dt), dt)
         lap("consistency")
         return Retargeted(

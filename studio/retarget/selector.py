@@ -75,7 +75,7 @@ class Prototypes:
             "p99": np.array([self.p99], np.float32),
         }
 
-    def embed(self, triplet: Array) -> Array32:
+    def embed(self, triplet: NDArray) -> Array32:
         """Triplets (..., 3F) in the metric's space (..., D)."""
         z = (np.asarray(triplet, np.float32) - self.mean) / self.scale
         return np.minimum(np.maximum(z, -CLIP), CLIP) @ self.project
@@ -92,8 +92,8 @@ class Prototypes:
 class Choice:
     """One frame's selection.
 
-    expert: what is reported: a state, or "unknown". active: the state to act on (unknown keeps
-    it). votes: share of the neighbours per state. distance: mean distance to the neighbours, in
+    expert: the votes' decision, whatever is locked: a state, or "unknown". active: the state to
+    act on (unknown keeps it, a lock decides it). votes: share of the neighbours per state. distance: mean distance to the neighbours, in
     units of the training data's 99th percentile.
     """
 
@@ -126,7 +126,7 @@ class Selector:
             raise unknown_name("state", name, NAMES)
         self.lock = name
 
-    def step(self, triplet: Array) -> Choice:
+    def step(self, triplet: NDArray) -> Choice:
         """Decide on one frame's triplet (3F,)."""
         p = self.prototypes
         labels, distances = p.nearest(p.embed(triplet), self.config.k)
@@ -140,7 +140,8 @@ class Selector:
         self._update_active(votes)
         active = self.lock or self._active
         assert active is not None
-        expert = active if self.lock or not self._unknown else UNKNOWN
+        assert self._active is not None
+        expert = UNKNOWN if self._unknown else self._active
         return Choice(expert=expert, active=active, votes=votes, distance=distance)
 
     def _update_unknown(self, distance: float) -> None:
@@ -178,7 +179,7 @@ class TripletFilter:
         """Forget the past."""
         self._value = None
 
-    def step(self, triplet: Array) -> Array32:
+    def step(self, triplet: NDArray) -> Array32:
         """The filtered triplet (3F,)."""
         x = np.asarray(triplet, np.float32)
         self._value = x if self._value is None else self._value + self.gain * (x - self._value)

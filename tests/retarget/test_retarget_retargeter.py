@@ -104,7 +104,9 @@ def test_a_lock_holds_the_state_and_an_unknown_one_lists_them():
     clip = acted("quiet", seconds=4.0)
     retargeter = fresh(clip)
     retargeter.set_expert("sit")
-    assert {o.expert for o in follow(retargeter, clip)} == {"sit"}
+    followed = follow(retargeter, clip)
+    assert {o.active for o in followed} == {"sit"}
+    assert {o.expert for o in followed} == {"stand"}
     with pytest.raises(StudioError, match="sit, stand, walk"):
         retargeter.set_expert("swim")
 
