@@ -74,7 +74,7 @@ def read_labels(folder: Path) -> dict[str, list[dict[str, Any]]]:
     return present
 
 
-def frame_labels(t: Array, intervals: list[dict[str, Any]]) -> list[str]:
+def frame_labels(t: NDArray, intervals: list[dict[str, Any]]) -> list[str]:
     """The expected expert of each time (T,) s, "" where there is no label."""
     out = [""] * len(t)
     for interval in intervals:

@@ -80,12 +80,12 @@ class Mapper:
             neutral_quat=tensors["neutral_quat"].astype(np.float64),
         )
 
-    def normalize(self, triplet: Array) -> Array32:
+    def normalize(self, triplet: NDArray) -> Array32:
         """Network inputs (..., 3F) of triplets (..., 3F), cut off at INPUT_CLIP sigmas."""
         x = (np.asarray(triplet, np.float32) - self.mean) / self.scale
         return np.minimum(np.maximum(x, -INPUT_CLIP), INPUT_CLIP)
 
-    def __call__(self, triplet: Array) -> Mapped:
+    def __call__(self, triplet: NDArray) -> Mapped:
         """Map one triplet (3F,) = q, q', q'' end to end; also takes a batch (..., 3F)."""
         x = self.normalize(triplet)
         out = self.trunk(x).astype(np.float64)

@@ -173,7 +173,7 @@ class TripletFilter:
 
     def __init__(self, cutoff_hz: float, dt: float) -> None:
         self.gain = np.float32(1.0 - np.exp(-2.0 * np.pi * cutoff_hz * dt))
-        self._value: Array32 | None = None
+        self._value: NDArray | None = None
 
     def reset(self) -> None:
         """Forget the past."""
@@ -182,8 +182,10 @@ class TripletFilter:
     def step(self, triplet: NDArray) -> Array32:
         """The filtered triplet (3F,)."""
         x = np.asarray(triplet, np.float32)
-        self._value = x if self._value is None else self._value + self.gain * (x - self._value)
-        return self._value
+        last = self._value
+        value = x if last is None else last + self.gain * (x - last)
+        self._value = value
+        return value
 
 
 SELECTOR_CUTOFF_HZ = 3.0

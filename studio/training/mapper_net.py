@@ -1,5 +1,6 @@
 """The torch twin of `studio.retarget.mapper`: the networks that are trained, and their export."""
 
+from collections.abc import Mapping
 from itertools import pairwise
 
 import numpy as np
@@ -32,6 +33,13 @@ def mlp(sizes: tuple[int, ...], seed: int) -> nn.Sequential:
 
 class MapperNet(nn.Module):
     """Mapper and contact network over inputs (N, 3F) that share one normaliser."""
+
+    mean: Tensor
+    scale: Tensor
+    rate_scale: Tensor
+    neutral_quat: Tensor
+    joint_mid: Tensor
+    joint_half: Tensor
 
     def __init__(
         self,
@@ -79,6 +87,22 @@ class MapperNet(nn.Module):
             ang_acc=rates[:, RATES["base_ang_acc"]],
         )
         return motion, torch.sigmoid(self.contact(x[:, : self.contact_width]))
+
+    @staticmethod
+    def from_tensors(tensors: Mapping[str, NDArray]) -> "MapperNet":
+        """The inverse of `export`: a trained expert, to be trained further."""
+        net = MapperNet(
+            *(tensors[name] for name in ("mean", "scale", "rate_scale", "neutral_quat")),
+            hidden=tensors["trunk.0.weight"].shape[1],
+            contact_hidden=tensors["contact.0.weight"].shape[1],
+        )
+        with torch.no_grad():
+            for name, part in (("trunk", net.trunk), ("contact", net.contact)):
+                linears = [layer for layer in part if isinstance(layer, nn.Linear)]
+                for i, linear in enumerate(linears):
+                    linear.weight.copy_(torch.from_numpy(tensors[f"{name}.{i}.weight"].T.copy()))
+                    linear.bias.copy_(torch.from_numpy(tensors[f"{name}.{i}.bias"].copy()))
+        return net
 
     def export(self) -> dict[str, NDArray]:
         """The arrays `Mapper.from_tensors` reads; weights transposed to (in, out)."""
