@@ -93,8 +93,8 @@ class Choice:
     """One frame's selection.
 
     expert: the votes' decision, whatever is locked: a state, or "unknown". active: the state to
-    act on (unknown keeps it, a lock decides it). votes: share of the neighbours per state. distance: mean distance to the neighbours, in
-    units of the training data's 99th percentile.
+    act on (unknown keeps it, a lock decides it). votes: share of the neighbours per state.
+    distance: mean distance to the neighbours, in units of the training data's 99th percentile.
     """
 
     expert: str
