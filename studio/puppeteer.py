@@ -341,7 +341,7 @@ def why_still(mapped: Retargeted, lock: str | None, age: float) -> str:
         return "nobody seen: waiting for the first human pose"
     if age > REUSE:
         return f"stale: no human pose for {age:.1f} s"
-    if mapped.expert == "unknown":
+    if mapped.expert == "unknown" and lock is None:
         return "unknown: this motion is unlike any the experts were trained on; easing to neutral"
     seen = max(mapped.votes, key=lambda name: mapped.votes[name])
     if lock is not None and seen != lock and mapped.votes[seen] > 0.5:
