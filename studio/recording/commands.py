@@ -4,9 +4,10 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from studio.recording import review
+from studio.recording import datasets, review
 from studio.recording.exports import export
 from studio.recording.library import SessionLibrary
+from studio.reference.intent import STATES
 
 
 def list_takes(sessions: Path) -> dict[str, Any]:
@@ -137,3 +138,14 @@ def import_take(sessions: Path, folder: Path, name: str | None = None) -> dict[s
         return {"takes": [library.add(folder, name)]}
     inside = sorted(p.parent for p in folder.glob("*/tape.mcap"))
     return {"takes": [library.add(path) for path in (inside or [folder])]}
+
+
+def dataset_takes(
+    sessions: Path,
+    names: tuple[str, ...] = (),
+    states: tuple[str, ...] = STATES,
+    style: str = "march",
+) -> dict[str, Any]:
+    """Make a data set version of these takes (all that were kept without names); its manifest."""
+    library = SessionLibrary(sessions)
+    return datasets.build(library, names or None, states=states, style=style).manifest

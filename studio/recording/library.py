@@ -20,7 +20,7 @@ import msgspec
 from studio.errors import StudioError
 from studio.recording import edits as edit_log
 from studio.recording.edits import EDITS, EditLog
-from studio.recording.names import take_folder
+from studio.recording.names import RESERVED, take_folder
 from studio.recording.recorder import META, TAPE
 from studio.recording.take import Take, read_meta, read_take
 
@@ -239,7 +239,9 @@ class SessionLibrary:
         try:
             with os.scandir(self.root) as entries:
                 for entry in entries:
-                    if entry.name.startswith(".") or not entry.is_dir(follow_symlinks=False):
+                    if entry.name.startswith(".") or entry.name in RESERVED:
+                        continue
+                    if not entry.is_dir(follow_symlinks=False):
                         continue
                     with contextlib.suppress(FileNotFoundError):  # deleted meanwhile
                         out[entry.name] = entry.stat(follow_symlinks=False).st_mtime_ns

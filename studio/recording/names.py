@@ -5,6 +5,8 @@ from pathlib import Path
 
 from studio.errors import StudioError
 
+RESERVED = ("datasets", "mappers")
+"""Folders beside the takes that are none."""
 _NAME = re.compile(r"[A-Za-z0-9_-]{1,120}\Z")
 
 
@@ -25,6 +27,10 @@ def slug(label: str) -> str:
 def take_folder(root: Path, name: object) -> Path:
     """The folder of a take, which need not exist; a link to elsewhere is refused."""
     folder = root / check_name(name)
+    if name in RESERVED:
+        raise StudioError(
+            f"{name} is no name for a take: {', '.join(RESERVED)} are kept for others"
+        )
     if folder.is_symlink():
         raise StudioError(f"take {name} is a link to somewhere else: copy the folder itself")
     return folder
