@@ -154,6 +154,10 @@ def _train(argv: Sequence[str]) -> Answer:
 
 
 def _train_mapper(argv: Sequence[str]) -> Answer:
+    if any(arg.partition("=")[0] in ("--takes", "--dataset") for arg in argv):
+        from studio.training.collected import TakesTraining, run_train_takes
+
+        return run_train_takes(tyro.cli(TakesTraining, prog="a1-studio train mapper", args=argv))
     from studio.training.mapper import MapperTraining, run_train_mapper
 
     return run_train_mapper(tyro.cli(MapperTraining, prog="a1-studio train mapper", args=argv))

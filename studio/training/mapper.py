@@ -34,6 +34,7 @@ from studio.training.selector_fit import fit_selector
 
 log = logging.getLogger(__name__)
 Tick = Callable[[int], None]
+Watch = Callable[[int, float], None]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,9 +175,14 @@ def fit_expert(
     tick: Tick | None = None,
     weights: LossWeights = OURS,
     save_every: int = 500,
+    watch: Watch | None = None,
+    net: MapperNet | None = None,
 ) -> MapperNet:
-    """Fit mapper and contact network of one expert to its pairs; resumable through a file."""
-    net = new_net(state, pairs, config)
+    """Fit mapper and contact network of one expert to its pairs; resumable through a file.
+
+    watch: given the step and its loss, twenty steps apart. net: to go on from, normaliser and all.
+    """
+    net = net or new_net(state, pairs, config)
     optimizer = torch.optim.AdamW(net.parameters(), lr=config.learning_rate, weight_decay=1e-3)
     identity = {**asdict(config), "out": None, "resume": None, "expert": state}
     start = _resume(checkpoint_file, net, optimizer, identity) if config.resume else 0
@@ -202,6 +208,8 @@ def fit_expert(
             checkpoint.save(checkpoint_file, tensors, {"step": step + 1, "config": _json(identity)})
         if tick and step % 20 == 19:
             tick(step + 1)
+        if watch and step % 20 == 19:
+            watch(step + 1, float(loss.detach()))
     if checkpoint_file is not None:
         checkpoint_file.unlink(missing_ok=True)
     return net

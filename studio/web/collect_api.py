@@ -11,8 +11,10 @@ from studio.errors import StudioError
 from studio.live.collect import CollectPlan
 from studio.live.commands import AddToPlan, CollectAction, SetPlan
 from studio.live.shown import PROMPTS, PlanItem
+from studio.recording.datamap import DataMap
 from studio.recording.sessions import SessionBook
 from studio.reference.library import TASKS
+from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 
 
@@ -72,6 +74,7 @@ def collect_router(hub: Hub) -> APIRouter:
     """`/api/collect`."""
     router = APIRouter(prefix="/api/collect", tags=["collect"])
     book = SessionBook(hub.sessions)
+    data, looking = DataMap(hub.sessions), asyncio.Lock()
 
     async def off_thread(work: Any, *args: Any, status: int = 404) -> Any:
         try:
@@ -114,6 +117,12 @@ def collect_router(hub: Hub) -> APIRouter:
         which take was kept or rejected."""
         result = await hub.apply(CollectAction(action=body.action), request)
         return {**hub.state(), "judged": result.data or None}
+
+    @router.get("/map")
+    async def map_of_data() -> dict[str, Any]:
+        """What the takes cover by state and range, and what to record next."""
+        async with looking:
+            return plain(await off_thread(data.as_dict, status=500))
 
     @router.get("/sessions")
     async def sessions() -> list[dict[str, Any]]:

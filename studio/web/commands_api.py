@@ -86,6 +86,7 @@ class SeekBody(BaseModel):
     t: float | None = Field(default=None, allow_inf_nan=False)
     playing: bool | None = None
     speed: float | None = Field(default=None, allow_inf_nan=False)
+    loop: bool | None = None
 
 
 def commands_router(hub: Hub) -> APIRouter:
@@ -110,7 +111,7 @@ def commands_router(hub: Hub) -> APIRouter:
 
     @router.post("/mode")
     async def mode(body: ModeBody, request: Request) -> dict[str, Any]:
-        """Idle, live or replay."""
+        """Idle, live, replay or collect."""
         return await answer(SetMode(mode=body.mode), request)
 
     @router.post("/state")
@@ -173,7 +174,7 @@ def commands_router(hub: Hub) -> APIRouter:
     @router.post("/seek")
     async def seek(body: SeekBody, request: Request) -> dict[str, Any]:
         """Replay: move in the take."""
-        return await answer(Seek(t=body.t, playing=body.playing, speed=body.speed), request)
+        return await answer(Seek(**body.model_dump()), request)
 
     @router.post("/control")
     async def control(body: ControlBody) -> dict[str, Any]:

@@ -14,13 +14,16 @@ from starlette.types import ASGIApp
 
 import studio
 from studio.web.access import AccessMiddleware
+from studio.web.collect_api import collect_router
 from studio.web.commands_api import commands_router
 from studio.web.files_api import files_router
 from studio.web.hub import Hub
 from studio.web.inner import InnerViser
 from studio.web.relay import view_router
+from studio.web.review_api import review_router
 from studio.web.sockets import sockets_router
 from studio.web.takes_api import takes_router
+from studio.web.train_api import train_router
 
 
 def assets_folder() -> Path:
@@ -54,7 +57,10 @@ def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
         lifespan=lifespan,
     )
     app.include_router(commands_router(hub))
+    app.include_router(collect_router(hub))
+    app.include_router(review_router(hub))
     app.include_router(takes_router(hub))
+    app.include_router(train_router(hub))
     app.include_router(files_router(hub, uploads))
     app.include_router(sockets_router(hub))
     if inner is not None:

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,6 +40,7 @@ class Hub:
     def __post_init__(self) -> None:
         # A stop never queues behind other requests that wait for the loop.
         self.stops = ThreadPoolExecutor(max_workers=2, thread_name_prefix="stop")
+        self.at_close: list[Callable[[], None]] = []
         self.workers = ThreadPoolExecutor(max_workers=8, thread_name_prefix="gateway")
 
     async def submit(self, command: Command) -> Result:
@@ -70,7 +72,9 @@ class Hub:
             set_intent(intent_of(keys))
 
     def close(self) -> None:
-        """Let no thread linger."""
+        """Let no thread and no process linger."""
+        for end in self.at_close:
+            end()
         self.stops.shutdown(wait=False, cancel_futures=True)
         self.workers.shutdown(wait=False, cancel_futures=True)
 

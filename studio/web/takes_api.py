@@ -36,6 +36,8 @@ class EditBody(BaseModel):
     note: str | None = Field(default=None, max_length=4000)
     trim: tuple[float, float] | None = None
     lag: float | None = Field(default=None, allow_inf_nan=False)
+    warp: list[tuple[float, float]] | None = None
+    cuts: list[tuple[float, float]] | None = None
     keep: bool | None = None
     score: float | None = Field(default=None, allow_inf_nan=False)
 

@@ -1,0 +1,264 @@
+"""`a1-studio train mapper --takes …`: a person's own takes in, a mapper of their own out.
+
+Reads top to bottom: pairs of the takes as their edits leave them, some held out; an expert for
+each state; what it is worth beside the nearest pair, ridge regression and the shipped expert;
+weights and sidecar. States without takes keep the shipped expert. What happens on the way goes to
+a progress file, a JSON object a line, for whoever watches.
+"""
+
+import json
+import logging
+import shutil
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from datetime import datetime
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from safetensors.numpy import load_file, save_file
+
+from studio import metrics, spatial
+from studio.errors import StudioError
+from studio.recording.names import check_name
+from studio.reference.intent import STATES, StateName
+from studio.retarget.baselines.base import FrameMapper, Targets
+from studio.retarget.baselines.nearest import NearestPair
+from studio.retarget.baselines.ridge import Ridge
+from studio.retarget.mapper import Mapper
+from studio.retarget.store import load_experts, style_dir
+from studio.training.mapper import MapperTraining, commit, fit_expert
+from studio.training.mapper_net import MapperNet
+from studio.training.operator_pairs import PairSet, mirrored
+from studio.training.take_pairs import TakePairs, read_pairs
+
+log = logging.getLogger(__name__)
+Say = Callable[[dict[str, Any]], None]
+
+MIN_PAIRS = 60
+"""Two seconds: with less a state keeps the shipped expert."""
+HELD_OUT = 0.2
+
+
+@dataclass(frozen=True, kw_only=True)
+class TakesTraining:
+    """How a mapper is trained from takes.
+
+    takes: their names, as edited. dataset: a data set version instead. sessions: the folder they
+    are in. name: of the mapper, made at SESSIONS/mappers/NAME. style: which human motion means
+    walking; its shipped experts fill the states without takes. states: which experts to train.
+    start: "shipped" goes on from the style's shipped expert, as little data asks for; "scratch"
+    forgets it. mirror: also learn from the mirror image. steps: 0 chooses by the number of pairs.
+    progress: file for a JSON line per event. learning_rate: 0 chooses by `start`. seed, hidden
+    (from scratch), batch, input_noise: as for the shipped experts.
+    """
+
+    takes: tuple[str, ...] = ()
+    dataset: str | None = None
+    sessions: Path = Path("sessions")
+    name: str | None = None
+    style: Literal["march", "circles", "semantic"] = "march"
+    states: tuple[StateName, ...] = STATES
+    start: Literal["shipped", "scratch"] = "shipped"
+    mirror: bool = True
+    steps: int = 0
+    seed: int = 0
+    hidden: int = 128
+    batch: int = 256
+    learning_rate: float = 0.0
+    input_noise: float = 0.2
+    progress: Path | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Split:
+    """A state's pairs: learnt from, and held out. how: in words, for the sidecar."""
+
+    known: PairSet
+    held: PairSet
+    how: str
+    takes: tuple[str, ...] = field(default=())
+
+
+def run_train_takes(config: TakesTraining) -> dict[str, Any]:
+    """Train what `config` names and write it; the sidecar as written."""
+    began = time.perf_counter()
+    say = _teller(config.progress)
+    try:
+        return _train(config, say, began)
+    except StudioError as error:
+        say({"event": "failed", "why": str(error)})
+        raise
+
+
+def _train(config: TakesTraining, say: Say, began: float) -> dict[str, Any]:
+    shipped = load_experts(config.style)
+    say({"event": "reading", "takes": len(config.takes)})
+    found = read_pairs(config.sessions, config.takes)
+    name = check_name(config.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}", "mapper")
+    out = Path(config.sessions) / "mappers" / name
+    splits = {s: split_pairs(found.by_take(s)) for s in config.states if found.count(s)}
+    enough = {s: split for s, split in splits.items() if len(split.known) >= MIN_PAIRS}
+    if not enough:
+        counts = ", ".join(f"{s} {found.count(s)}" for s in config.states)
+        raise StudioError(
+            f"too few pairs to train on ({counts}; {MIN_PAIRS} are needed): collect more takes"
+        )
+    say({"event": "pairs", "name": name, "counts": {s: found.count(s) for s in config.states}})
+    experts: dict[str, Any] = {}
+    tensors: dict[str, Mapping[str, Any]] = {}
+    for state, split in enough.items():
+        tensors[state], experts[state] = _train_state(state, split, config, shipped.mappers, say)
+    about = {
+        "name": name,
+        "made": datetime.now().astimezone().isoformat(timespec="seconds"),
+        "style": config.style,
+        "dataset": found.version,
+        "takes": list(found.takes),
+        "states": list(enough),
+        "experts": experts,
+        "seconds": round(time.perf_counter() - began, 1),
+        "commit": commit(),
+        "config": json.loads(
+            json.dumps(asdict(config) | {"sessions": None, "progress": None}, default=str)
+        ),
+    }
+    write_mapper(out, config.style, tensors, about)
+    say({"event": "done", "name": name, "seconds": about["seconds"]})
+    return about
+
+
+def _train_state(
+    state: StateName, split: Split, config: TakesTraining, shipped: Mapping[str, Mapper], say: Say
+) -> tuple[Mapping[str, Any], dict[str, Any]]:
+    known = split.known
+    if config.mirror:
+        known = PairSet.join([known, mirrored(known)])
+    further = config.start == "shipped"
+    few = 300 if further else 600
+    steps = config.steps or int(np.clip(len(split.known) // 2, few, 5 * few))
+    settings = MapperTraining(
+        style=config.style,
+        seed=config.seed,
+        steps=steps,
+        batch=config.batch,
+        hidden=config.hidden,
+        learning_rate=config.learning_rate or (5e-4 if further else 2e-3),
+        input_noise=config.input_noise,
+        resume=False,
+    )
+    began = time.perf_counter()
+
+    def watch(step: int, loss: float) -> None:
+        say({"event": "loss", "state": state, "step": step, "steps": steps, "loss": round(loss, 5)})
+
+    begin = None
+    if further:
+        begin = MapperNet.from_tensors(load_file(style_dir(config.style) / f"{state}.safetensors"))
+    net = fit_expert(state, known, settings, watch=watch, net=begin)
+    tensors = net.export()
+    targets = Targets(**{f: getattr(known, f) for f in Targets.__dataclass_fields__})
+    methods: dict[str, FrameMapper] = {
+        "yours": Mapper.from_tensors(tensors),
+        "nearest_pair": NearestPair(known.triplet, targets),
+        "ridge": Ridge(known.triplet, targets),
+        "shipped": shipped[state],
+    }
+    scores = {name: score(method, split.held) for name, method in methods.items()}
+    facts = {
+        "pairs": len(split.known),
+        "held_out_pairs": len(split.held),
+        "held_out": split.how,
+        "takes": list(split.takes),
+        "steps": steps,
+        "seconds": round(time.perf_counter() - began, 1),
+        "scores": scores,
+    }
+    say({"event": "scores", "state": state, **facts})
+    return tensors, facts
+
+
+def split_pairs(parts: Mapping[str, PairSet]) -> Split:
+    """Hold out a fifth: whole takes where there are at least five, else the end of each.
+
+    Whole takes are the harder test: another motion, not the rest of one that was learnt.
+    """
+    names = sorted(parts)
+    if len(names) >= 5:
+        last = max(1, round(HELD_OUT * len(names)))
+        known, held = names[:-last], names[-last:]
+        return Split(
+            known=PairSet.join([parts[n] for n in known]),
+            held=PairSet.join([parts[n] for n in held]),
+            how=f"{last} whole take{'s' if last > 1 else ''} of {len(names)}",
+            takes=tuple(names),
+        )
+    first, second = [], []
+    for name in names:
+        cut = round((1.0 - HELD_OUT) * len(parts[name]))
+        rows = np.arange(len(parts[name]))
+        first.append(parts[name].take(rows[:cut]))
+        second.append(parts[name].take(rows[cut:]))
+    return Split(
+        known=PairSet.join(first),
+        held=PairSet.join(second),
+        how="the last fifth of each take",
+        takes=tuple(names),
+    )
+
+
+def score(method: FrameMapper, pairs: PairSet) -> dict[str, float]:
+    """A method on pairs, frame by frame: joint RMSE and trunk error in degrees, contact F1."""
+    said = method(pairs.triplet)
+    angle = spatial.quat_angle(said.base_quat, spatial.normalize(pairs.base_quat))
+    return {
+        "joint_rmse_deg": round(float(metrics.joint_rmse_deg(said.joint_pos, pairs.joint_pos)), 3),
+        "orientation_error_deg": round(float(np.degrees(angle).mean()), 3),
+        "contact_f1": round(float(metrics.contact_f1(said.contact_prob, pairs.contact)), 4),
+    }
+
+
+def write_mapper(
+    out: Path, style: str, tensors: Mapping[str, Mapping[str, Any]], about: Mapping[str, Any]
+) -> None:
+    """The folder of a mapper, whole or not at all: own experts, shipped ones for the rest."""
+    source = style_dir(style)
+    scratch = out.with_name(f".{out.name}.tmp")
+    try:
+        shutil.rmtree(scratch, ignore_errors=True)
+        scratch.mkdir(parents=True)
+        for part in (*STATES, "selector"):
+            if part in tensors:
+                save_file(dict(tensors[part]), scratch / f"{part}.safetensors")
+                facts = {"expert": part, **about["experts"][part], "dataset": about["dataset"]}
+                (scratch / f"{part}.json").write_text(json.dumps(facts, indent=1) + "\n")
+            else:
+                for suffix in (".safetensors", ".json"):
+                    shutil.copyfile(source / f"{part}{suffix}", scratch / f"{part}{suffix}")
+        (scratch / "mapper.json").write_text(json.dumps(about, indent=1) + "\n")
+        if out.exists():
+            raise StudioError(f"a mapper named {out.name} exists: choose another name")
+        scratch.rename(out)
+    except OSError as error:
+        raise StudioError(f"mapper {out.name} was not kept: {error.strerror}") from error
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def _teller(file: Path | None) -> Say:
+    """Appends events to the progress file, each with the seconds since the start."""
+    began = time.perf_counter()
+    if file is None:
+        return lambda event: log.info("%s", event)
+    file.parent.mkdir(parents=True, exist_ok=True)
+    file.write_text("")
+
+    def say(event: dict[str, Any]) -> None:
+        with file.open("a") as f:
+            f.write(json.dumps({**event, "t": round(time.perf_counter() - began, 2)}) + "\n")
+
+    return say
+
+
+__all__ = ["TakePairs", "TakesTraining", "run_train_takes"]

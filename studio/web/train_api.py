@@ -1,0 +1,105 @@
+"""Training and using mappers over HTTP: start, watch, cancel; list, swap in, compare, go back."""
+
+import asyncio
+from collections.abc import Callable
+from datetime import datetime
+from typing import Any, Literal, TypeVar
+
+from fastapi import APIRouter, Request
+from pydantic import BaseModel, ConfigDict, Field
+
+from studio.errors import StudioError
+from studio.live.commands import SetMapper
+from studio.live.mappers import list_mappers, mapper_folder
+from studio.recording.library import SessionLibrary
+from studio.reference.intent import STATES
+from studio.retarget.store import STYLES
+from studio.web.encode import plain
+from studio.web.hub import Hub, refused
+from studio.web.train_jobs import TrainJobs
+
+T = TypeVar("T")
+
+
+class TrainBody(BaseModel):
+    """Which takes, which states and style. start: go on from the shipped experts, or scratch."""
+
+    model_config = ConfigDict(extra="forbid")
+    takes: list[str] = Field(min_length=1, max_length=10_000)
+    states: list[str] = Field(default=list(STATES), min_length=1)
+    style: str = "march"
+    name: str | None = Field(default=None, max_length=120)
+    start: Literal["shipped", "scratch"] = "shipped"
+    mirror: bool = True
+    steps: int = Field(default=0, ge=0, le=100_000)
+
+
+class MapperBody(BaseModel):
+    """A mapper's name, or "shipped"."""
+
+    name: str = Field(max_length=120)
+
+
+def train_router(hub: Hub) -> APIRouter:
+    """`/api/train` and `/api/mappers`."""
+    router = APIRouter(prefix="/api", tags=["train"])
+    jobs = TrainJobs(hub.sessions)
+    hub.at_close.append(jobs.close)
+    library = SessionLibrary(hub.sessions)
+
+    async def off_thread(work: Callable[[], T], status: int = 409) -> T:
+        try:
+            return await asyncio.get_running_loop().run_in_executor(hub.workers, work)
+        except StudioError as error:
+            raise refused(str(error), status) from error
+
+    def checked(body: TrainBody) -> tuple[str, list[str]]:
+        for take in body.takes:
+            library.folder(take)
+        for state in body.states:
+            if state not in STATES:
+                raise StudioError(f"unknown state {state!r}; known: {', '.join(STATES)}")
+        if body.style not in STYLES:
+            raise StudioError(f"unknown style {body.style!r}; known: {', '.join(STYLES)}")
+        name = body.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}"
+        if mapper_folder(hub.sessions, name).exists():
+            raise StudioError(f"a mapper named {name} exists: choose another name")
+        options = ["--takes", *body.takes, "--states", *body.states, "--style", body.style]
+        options += ["--start", body.start, "--steps", str(body.steps)]
+        return name, [*options, "--mirror" if body.mirror else "--no-mirror"]
+
+    @router.post("/train")
+    async def train(body: TrainBody) -> dict[str, Any]:
+        """Train a mapper in a process of its own; watch it with GET."""
+        name, options = await off_thread(lambda: checked(body), 422)
+        return plain((await off_thread(lambda: jobs.start(name, options))).as_dict())
+
+    @router.get("/train")
+    async def progress() -> dict[str, Any] | None:
+        """The last training: status, curves, held-out scores; null before the first."""
+        job = jobs.job
+        return None if job is None else plain(await off_thread(job.as_dict))
+
+    @router.post("/train/cancel")
+    async def cancel() -> dict[str, Any]:
+        """End it; nothing is kept of it."""
+        return plain((await off_thread(jobs.cancel)).as_dict())
+
+    @router.get("/mappers")
+    async def mappers() -> list[dict[str, Any]]:
+        """Every mapper trained here, with its data, settings and scores."""
+        return plain(await off_thread(lambda: list_mappers(hub.sessions)))
+
+    @router.post("/mapper")
+    async def use(body: MapperBody, request: Request) -> dict[str, Any]:
+        """Swap a mapper into the live loop at once. Answers the state."""
+        await hub.apply(SetMapper(name=body.name), request)
+        return hub.state()
+
+    @router.post("/mapper/back")
+    async def back(request: Request) -> dict[str, Any]:
+        """Use the one before again: A/B, and the way back. Answers the state."""
+        await hub.apply(SetMapper(back=True), request)
+        return hub.state()
+
+    return router
