@@ -171,13 +171,14 @@ def _train_policy(argv: Sequence[str]) -> Answer:
 
 def _takes(argv: Sequence[str]) -> Answer:
     """`takes WHAT [NAME …]`: the functions of recording.commands, their parameters as options."""
+    from studio.mocap.imports import import_take
     from studio.recording import commands
 
     known = {
         name.removesuffix("s").removesuffix("_take"): function
         for name, function in vars(commands).items()
         if name.endswith(("_take", "_takes")) and callable(function)
-    }
+    } | {"import": import_take}
     argv, sessions = _take_option(list(argv), "--sessions")
     if not argv or argv[0] not in known:
         text = f"usage: a1-studio takes {'|'.join(known)} [NAME] [OPTIONS] [--sessions DIR]"

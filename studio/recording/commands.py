@@ -123,12 +123,20 @@ def delete_take(sessions: Path, name: str) -> dict[str, Any]:
 
 
 def export_take(
-    sessions: Path, name: str, format_name: str, out: Path | None = None
+    sessions: Path,
+    name: str,
+    format: str = "npz",
+    out: Path | None = None,
+    more: tuple[str, ...] = (),
 ) -> dict[str, Any]:
-    """Write a take in another format: jsonl, npz, csv, bvh; into the working folder by default."""
-    take = SessionLibrary(sessions).read(name)
-    path = export(take, format_name, Path.cwd() if out is None else out)
-    return {"name": name, "format": format_name, "file": str(path)}
+    """Write a take in another format: jsonl, npz, csv, bvh, pairs, lerobot, hdf5 or html.
+
+    Into the working folder by default. more: further takes in the same file (lerobot, hdf5).
+    """
+    library = SessionLibrary(sessions)
+    takes = [library.read(n) for n in (name, *more)]
+    path = export(takes, format, Path.cwd() if out is None else out)
+    return {"name": name, "format": format, "file": str(path)}
 
 
 def import_take(sessions: Path, folder: Path, name: str | None = None) -> dict[str, Any]:

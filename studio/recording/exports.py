@@ -1,126 +1,91 @@
-"""A take to files other programs read; one function per format, listed in FORMATS.
+"""Takes to files other programs read; one file per format, listed in FORMATS.
 
-Every export covers the take's trim (the whole take without one) and never changes it.
+Every export covers what the trim leaves and never changes the take. Formats for learning (pairs,
+lerobot, hdf5) and the replay leave cuts out too, and put the person in step with the robot.
 """
 
-import csv
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
-import msgspec
-import numpy as np
-from numpy.typing import NDArray
-
 from studio.errors import StudioError, unknown_name
-from studio.human.pose import HumanPose
-from studio.recording import codec
-from studio.recording.export.bvh import write_bvh
+from studio.recording.export.arrays import write_npz
+from studio.recording.export.bvh import write_human_bvh
+from studio.recording.export.extent import human_poses, tick_range
+from studio.recording.export.frames import write_frames
+from studio.recording.export.hdf5 import write_hdf5
+from studio.recording.export.html import write_html
+from studio.recording.export.lerobot import write_lerobot
+from studio.recording.export.pairs_table import write_pairs
+from studio.recording.export.rows import write_csv
 from studio.recording.take import Take
-from studio.robot import a1
+
+__all__ = ["FORMATS", "Format", "export", "export_file", "human_poses", "tick_range"]
 
 
-def tick_range(take: Take) -> tuple[int, int]:
-    """First tick and one past the last of what the trim leaves."""
-    if take.edits.trim is None:
-        return 0, len(take)
-    start, end = (round(s * a1.CONTROL_HZ) for s in take.edits.trim)
-    return min(start, len(take)), min(end, len(take))
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """suffix: of its file or folder. write: takes and a path. several: more than one take fits.
+    folder: it is a folder of files. text: what it is for."""
+
+    suffix: str
+    write: Callable[[Sequence[Take], Path], None]
+    text: str
+    several: bool = False
+    folder: bool = False
 
 
-def human_poses(take: Take) -> list[HumanPose]:
-    """The fresh human poses within the trim."""
-    start, end = tick_range(take)
-    used = [n for n in take.human_tick.tolist() if start <= n < end]
-    return [pose for n in used if (pose := take.ticks[n].human) is not None]
+def _single(suffix: str, write: Callable[[Take, Path], None], text: str) -> Format:
+    return Format(suffix=suffix, write=lambda takes, path: write(takes[0], path), text=text)
 
 
-def write_frames(take: Take, path: Path) -> None:
-    """Human frames of contract.md, a JSON object a line: opens as source frames:FILE."""
-    lines = [codec.encode_human(pose) for pose in _some_poses(take)]
-    path.write_bytes(b"\n".join(lines) + b"\n")
-
-
-def write_npz(take: Take, path: Path) -> None:
-    """Arrays per tick: t, reference_*, robot_*, action, target, human_pos (T, 19, 3), human_index
-    (-1 before the first), expert, state; and meta (JSON), dt, lag."""
-    start, end = tick_range(take)
-    arrays, cut = take.arrays, slice(start, end)
-    out: dict[str, NDArray] = {
-        "t": arrays.t[cut],
-        "index": arrays.index[cut],
-        "human_index": arrays.human_index[cut],
-        "action": arrays.action[cut],
-        "target": arrays.target[cut],
-        "expert": np.array(arrays.expert[cut]),
-        "state": np.array(arrays.state[cut]),
-        "dt": np.array(a1.CONTROL_DT),
-        "lag": np.array(take.edits.lag or 0.0),
-        "meta": np.array(msgspec.json.encode(take.meta | {"label": take.label}).decode()),
-    }
-    for prefix, group in (("reference", arrays.reference), ("robot", arrays.robot)):
-        out |= {f"{prefix}_{key}": value[cut] for key, value in group.items()}
-    if take.human is not None:
-        out["human_t"] = take.human.t
-        out["human_pos"] = take.human.joint_pos_w
-        out["human_confidence"] = take.human.confidence
-    with path.open("wb") as file:
-        np.savez_compressed(file, **out)  # type: ignore[arg-type]
-
-
-def write_csv(take: Take, path: Path) -> None:
-    """A row per tick: time, names, reference, robot and target, a column per number."""
-    start, end = tick_range(take)
-    with path.open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["t", "expert", "state", *_columns()])
-        for tick in take.ticks[start:end]:
-            values = [getattr(tick.reference, k).ravel() for k in codec.REFERENCE_SHAPES]
-            values += [getattr(tick.robot, k).ravel() for k in codec.ROBOT_SHAPES]
-            numbers = np.round(np.concatenate([*values, tick.target]), codec.DECIMALS)
-            writer.writerow([round(tick.t, 6), tick.expert, tick.state, *numbers.tolist()])
-
-
-def _columns() -> list[str]:
-    out = []
-    for prefix, shapes in (("reference", codec.REFERENCE_SHAPES), ("robot", codec.ROBOT_SHAPES)):
-        for key, shape in shapes.items():
-            parts = a1.JOINTS if shape == (12,) else [str(i) for i in range(int(np.prod(shape)))]
-            out += [f"{prefix}_{key}_{part}" for part in parts]
-    return out + [f"target_{joint}" for joint in a1.JOINTS]
-
-
-def write_human_bvh(take: Take, path: Path) -> None:
-    """The human as a BVH at the mean rate of the poses."""
-    poses = _some_poses(take)
-    seconds = poses[-1].t - poses[0].t
-    dt = seconds / (len(poses) - 1) if len(poses) > 1 and seconds > 0.0 else a1.CONTROL_DT
-    write_bvh(path, np.array([pose.joint_pos_w for pose in poses]), dt)
-
-
-def _some_poses(take: Take) -> list[HumanPose]:
-    poses = human_poses(take)
-    if not poses:
-        raise StudioError(f"take {take.name} has no human motion to export; try npz or csv")
-    return poses
-
-
-FORMATS: dict[str, tuple[str, Callable[[Take, Path], None]]] = {
-    "jsonl": (".jsonl", write_frames),
-    "npz": (".npz", write_npz),
-    "csv": (".csv", write_csv),
-    "bvh": (".bvh", write_human_bvh),
+FORMATS: dict[str, Format] = {
+    "jsonl": _single(".jsonl", write_frames, "the person, a frame a line: opens as frames:FILE"),
+    "npz": _single(".npz", write_npz, "everything, as numpy arrays"),
+    "csv": _single(".csv", write_csv, "the robot, a row a tick"),
+    "bvh": _single(".bvh", write_human_bvh, "the person, for animation programs"),
+    "pairs": _single(".parquet", write_pairs, "training pairs, as Parquet"),
+    "lerobot": Format(
+        suffix=".lerobot",
+        write=write_lerobot,
+        text="LeRobotDataset v3.0 layout, an episode a take",
+        several=True,
+        folder=True,
+    ),
+    "hdf5": Format(
+        suffix=".hdf5", write=write_hdf5, text="robomimic's layout, a demo a take", several=True
+    ),
+    "html": _single(".html", write_html, "a replay in one file, for any browser"),
 }
-"""Name of a format: its file's suffix, its writer."""
+"""Formats by name."""
 
 
-def export(take: Take, format_name: str, path: Path) -> Path:
-    """Write a take in a format of FORMATS; `path` may be a folder. The file's path."""
+def export(take: Take | Sequence[Take], format_name: str, path: Path) -> Path:
+    """Write takes in a format of FORMATS; `path` may be a folder to put it in. The file's path.
+
+    Raises StudioError for an unknown format, takes that do not fit it, and a full or read-only
+    disk.
+    """
+    takes = [take] if isinstance(take, Take) else list(take)
     if format_name not in FORMATS:
         raise unknown_name("format", format_name, FORMATS)
-    suffix, write = FORMATS[format_name]
-    path = path / f"{take.name}{suffix}" if path.is_dir() else path
+    chosen = FORMATS[format_name]
+    if len(takes) != 1 and not (chosen.several and takes):
+        several = ", ".join(name for name, f in FORMATS.items() if f.several)
+        raise StudioError(f"{format_name} holds one take; several fit into {several}")
+    name = takes[0].name if len(takes) == 1 else f"{takes[0].name}-and-{len(takes) - 1}-more"
+    path = path / f"{name}{chosen.suffix}" if path.is_dir() else path
     try:
-        write(take, path)
+        chosen.write(takes, path)
     except OSError as error:
-        raise StudioError(f"cannot write {path}: {error.strerror}") from error
+        raise StudioError(f"cannot write {path}: {error.strerror or error}") from error
     return path
+
+
+def export_file(take: Take | Sequence[Take], format_name: str, folder: Path) -> Path:
+    """The same as one file, for a download: a format that is a folder is packed into a zip."""
+    path = export(take, format_name, folder)
+    if not path.is_dir():
+        return path
+    return Path(shutil.make_archive(str(path), "zip", path.parent, path.name))

@@ -13,7 +13,7 @@ from starlette.background import BackgroundTask
 
 from studio.errors import StudioError
 from studio.live.commands import StartTake, StopTake
-from studio.recording.exports import export as export_take
+from studio.recording.exports import export_file as export_take
 from studio.recording.library import SessionLibrary
 from studio.web.encode import plain
 from studio.web.hub import Hub, refused
@@ -107,7 +107,7 @@ def takes_router(hub: Hub) -> APIRouter:
 
     @router.get("/{name}/export")
     async def export(name: str, format: str = "npz") -> FileResponse:
-        """A file: jsonl or bvh (the person), npz or csv (both)."""
+        """A file: jsonl or bvh (the person), npz or csv (both), pairs, hdf5, lerobot (zip), html."""
         take = await off_thread(library.read, name)
         place = tempfile.TemporaryDirectory(prefix="a1-export-")
         try:

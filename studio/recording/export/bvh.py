@@ -12,7 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import spatial
+from studio.errors import StudioError
+from studio.human.pose import HumanPose
 from studio.human.skeleton import INDEX, JOINTS, PARENTS
+from studio.recording.export.extent import human_poses
+from studio.recording.take import Take
+from studio.robot import a1
 
 Array = NDArray[np.float64]
 
@@ -117,3 +122,19 @@ def _y_up_quat(q: Array) -> Array:
 
 
 assert INDEX["pelvis"] == 0, "the root of the hierarchy is the first joint"
+
+
+def write_human_bvh(take: Take, path: Path) -> None:
+    """The human as a BVH at the mean rate of the poses."""
+    poses = some_poses(take)
+    seconds = poses[-1].t - poses[0].t
+    dt = seconds / (len(poses) - 1) if len(poses) > 1 and seconds > 0.0 else a1.CONTROL_DT
+    write_bvh(path, np.array([pose.joint_pos_w for pose in poses]), dt)
+
+
+def some_poses(take: Take) -> list[HumanPose]:
+    """The fresh poses within the trim; StudioError when there are none."""
+    poses = human_poses(take)
+    if not poses:
+        raise StudioError(f"take {take.name} has no human motion to export; try npz or csv")
+    return poses

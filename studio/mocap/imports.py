@@ -1,0 +1,119 @@
+"""A motion file (BVH, or a recorded Kinect's frames) as the human side of a take."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studio.errors import StudioError
+from studio.human.pose import HumanClip, HumanPose
+from studio.mocap.bvh import load_bvh
+from studio.mocap.frames import load_frames
+from studio.recording import commands
+from studio.recording.library import SessionLibrary
+from studio.recording.names import slug
+from studio.recording.recorder import TAPE
+from studio.recording.take import Recorder, Take
+from studio.recording.tick import Tick
+from studio.reference.stances import NEUTRAL
+from studio.robot import a1, kinematics
+from studio.robot.pose import ReferencePose, RobotState
+
+SUFFIXES = (".bvh", ".jsonl", ".json", ".ndjson")
+
+
+def import_take(
+    sessions: Path, path: Path, name: str | None = None, robot: str | None = None
+) -> dict[str, Any]:
+    """Take in what was recorded elsewhere: a take's folder, a folder of takes, or a motion file.
+
+    A motion file (.bvh, or human frames as .jsonl) becomes the human side of a take. robot: the
+    take whose robot that person is put beside; without one the robot stands by.
+    """
+    if path.is_file() and path.name != TAPE:
+        return import_human(sessions, path, name, robot)
+    if robot is not None:
+        raise StudioError("a robot is put beside a motion file (.bvh, .jsonl), not beside a take")
+    return commands.import_take(sessions, path.parent if path.name == TAPE else path, name)
+
+
+def import_human(
+    sessions: Path, file: Path, name: str | None = None, robot: str | None = None
+) -> dict[str, Any]:
+    """Make a take of a BVH or a file of human frames: {"takes": [NAME], "rejected": lines}.
+
+    robot: a take whose robot this person is put beside, from its first tick on, as long as both
+    last; without one the robot stands by in neutral. Raises StudioError for a file that cannot be
+    read, an unknown take, and a name that is taken.
+    """
+    rejected = 0
+    if file.suffix.lower() == ".bvh":
+        clip = load_bvh(file)
+    elif file.suffix.lower() in SUFFIXES:
+        clip, rejected = load_frames(file)
+    else:
+        raise StudioError(f"{file.name} is no motion file: give a .bvh, or human frames as .jsonl")
+    beside = SessionLibrary(sessions).read(robot) if robot else None
+    clip = clip.at_rate(a1.CONTROL_HZ)
+    recorder = Recorder(sessions)
+    about = {"source": f"import:{file.name}"} | ({"robot": robot} if robot else {})
+    if beside is not None and "collect" in (beside.meta.get("about") or {}):
+        about["collect"] = beside.meta["about"]["collect"]
+    label = beside.label if beside is not None else slug(file.stem)
+    try:
+        made = recorder.start(label, name=name, about=about)
+        for tick in _ticks(clip, beside):
+            recorder.append(tick)
+    finally:
+        recorder.close()
+    return {"takes": [made], "rejected": rejected}
+
+
+def _ticks(clip: HumanClip, beside: Take | None):
+    """The clip's frames beside the robot of a take, or beside one that stands."""
+    pose = NEUTRAL["stand"]
+    stand = ReferencePose(
+        base_pos=pose.base_pos,
+        base_quat=pose.base_quat,
+        joint_pos=pose.joint_pos,
+        foot_contact=np.ones(4),
+    )
+    feet = kinematics.foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos)
+    count = len(clip) if beside is None else min(len(clip), len(beside))
+    for i in range(count):
+        t = i * a1.CONTROL_DT
+        then = None if beside is None else beside.ticks[i]
+        still = RobotState(
+            base_pos=pose.base_pos,
+            base_quat=pose.base_quat,
+            joint_pos=pose.joint_pos,
+            foot_contact=np.ones(4),
+            t=t + a1.CONTROL_DT,
+            base_lin_vel_w=np.zeros(3),
+            base_ang_vel_b=np.zeros(3),
+            joint_vel=np.zeros(12),
+            foot_pos_w=feet,
+            torque=np.zeros(12),
+        )
+        human = HumanPose(
+            t=float(clip.t[i]), joint_pos_w=clip.joint_pos_w[i], confidence=clip.confidence[i]
+        )
+        yield Tick(
+            index=i,
+            t=t,
+            human=human,
+            human_fresh=True,
+            expert="unknown" if then is None else then.expert,
+            votes={},
+            # Imported alone, nothing says what the person meant: no pairs until it is labelled.
+            state="idle" if then is None else then.state,
+            transition_to=None,
+            mode="collect",
+            controller="stand_still" if then is None else then.controller,
+            reference=stand if then is None else then.reference,
+            action=pose.joint_pos if then is None else then.action,
+            target=pose.joint_pos if then is None else then.target,
+            robot=still if then is None else then.robot,
+            clipped=False,
+            fallen=False if then is None else then.fallen,
+        )
