@@ -23,7 +23,9 @@ log = logging.getLogger(__name__)
 @dataclass(frozen=True, kw_only=True)
 class DistilConfig:
     """horizon: control periods between lessons. keep: lessons remembered. passes: over the newest
-    lesson's number of samples, drawn from all that are kept. noise: of the student's actions."""
+    lesson's number of samples, drawn from all that are kept. noise: of the student's actions.
+    hip_weight: of the hips' errors, whose small angles steer.
+    """
 
     horizon: int = 24
     keep: int = 24
@@ -32,6 +34,7 @@ class DistilConfig:
     learning_rate: float = 1e-3
     final_learning_rate: float = 2e-4
     noise: float = 0.1
+    hip_weight: float = 4.0
     teacher: TeacherConfig = field(default_factory=TeacherConfig)
 
 
@@ -46,6 +49,7 @@ class Distiller:
         index, sign = observation_mirror(env.config.observation)
         self.mirror = torch.as_tensor(index), torch.as_tensor(sign, dtype=torch.float32)
         self.joints = torch.as_tensor(JOINT_INDEX), torch.as_tensor(JOINT_SIGN, dtype=torch.float32)
+        self.weight = torch.tensor([config.hip_weight, 1.0, 1.0]).repeat(4)
         self.rng = np.random.default_rng(0)
 
     def lesson(self, progress: float) -> dict[str, float]:
@@ -86,7 +90,8 @@ class Distiller:
             half = c.minibatch // 2
             x = torch.cat([x[:half], x[half:, self.mirror[0]] * self.mirror[1]])
             y = torch.cat([y[:half], y[half:, self.joints[0]] * self.joints[1]])
-            loss = (self.alg.actor.mlp(self.alg.actor.obs_normalizer(x)) - y).square().mean()
+            error = self.alg.actor.mlp(self.alg.actor.obs_normalizer(x)) - y
+            loss = (self.weight * error.square()).mean()
             self.optimizer.zero_grad()
             loss.backward()
             torch.nn.utils.clip_grad_norm_(self.alg.actor.mlp.parameters(), 1.0)

@@ -3,8 +3,6 @@
 Reads top to bottom: settings, the environment as rsl-rl sees it, one iteration, the run.
 """
 
-import contextlib
-import io
 import json
 import logging
 import subprocess
@@ -16,8 +14,6 @@ from typing import Any, Literal, cast
 
 import numpy as np
 import torch
-from rsl_rl.algorithms import PPO
-from tensordict import TensorDict
 
 from studio.errors import StudioError, unknown_name
 from studio.imitation.action import ActionConfig, ActionMode
@@ -26,53 +22,17 @@ from studio.imitation.curriculum import Curriculum, stages
 from studio.imitation.env import EnvConfig, ImitationEnv
 from studio.imitation.observation import ObservationConfig, level_quat
 from studio.imitation.policy import MODELS, manifest_of, save_policy
-from studio.imitation.symmetry import (
-    JOINT_INDEX,
-    JOINT_SIGN,
-    observation_mirror,
-    privileged_mirror,
-)
 from studio.reference.intent import STATES, StateName
 from studio.training import checkpoint
 from studio.training.distil import Distiller
+from studio.training.ppo import PAPER, PpoConfig, TorchEnv, collect, make_algorithm
 
 log = logging.getLogger(__name__)
 Preset = Literal["default", "paper"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class PpoConfig:
-    """PPO's own figures; `PAPER` holds those of the paper."""
-
-    horizon: int = 24
-    epochs: int = 4
-    minibatch: int = 1536
-    clip: float = 0.2
-    learning_rate: float = 5e-4
-    max_learning_rate: float = 2e-3
-    desired_kl: float | None = 0.015
-    gamma: float = 0.95
-    lam: float = 0.95
-    entropy: float = 0.0005
-    max_grad_norm: float = 1.0
-    init_std: float = 0.2
-    max_std: float = 0.3
-    hidden: tuple[int, ...] = (256, 256)
-    mirror: bool = True
-
-
-PAPER = PpoConfig(
-    horizon=128,
-    epochs=10,
-    minibatch=128,
-    learning_rate=5e-5,
-    desired_kl=None,
-    max_grad_norm=0.5,
-    entropy=0.0,
-    mirror=False,
-)
-
-
+TAUGHT_STD = 0.1
+"""Exploration, in units of action, with which PPO goes on after a teacher (0.025 rad)."""
 DISTIL: dict[StateName, int] = {"stand": 800_000, "walk": 800_000, "sit": 0}
 """Samples taught by default. Sitting, the teacher itself falls on slopes (success .88 against .99
 of PPO's policy): it has no sense of balance, and four feet need none."""
@@ -136,51 +96,6 @@ class PolicyTraining:
         return self.run or Path("runs") / f"policy-{self.state}"
 
 
-class TorchEnv:
-    """The environment as rsl-rl's algorithm reads it: tensors, `num_envs`, `num_actions`."""
-
-    num_actions = 12
-
-    def __init__(self, env: ImitationEnv) -> None:
-        self.env, self.num_envs = env, env.num_envs
-        self._mirror = {
-            "actor": _tensors(observation_mirror(env.config.observation)),
-            "privileged": _tensors(privileged_mirror()),
-            "action": _tensors((JOINT_INDEX, JOINT_SIGN)),
-        }
-
-    def tensors(self, actor: np.ndarray, privileged: np.ndarray) -> TensorDict:
-        """Groups "actor" and "privileged"; the critic sees both."""
-        groups = {"actor": torch.from_numpy(actor), "privileged": torch.from_numpy(privileged)}
-        return TensorDict(groups, batch_size=[len(actor)])
-
-    def present(self) -> TensorDict:
-        """What is observed now."""
-        return self.tensors(self.env.history.observation(), self.env.privileged())
-
-    def mirrored(
-        self, env: Any, obs: TensorDict | None, actions: torch.Tensor | None
-    ) -> tuple[TensorDict | None, torch.Tensor | None]:
-        """rsl-rl's augmentation: the batch, then the same batch seen in a mirror."""
-        both = None
-        if obs is not None:
-            groups = {}
-            for name, mirror in self._mirror.items():
-                if name != "action":
-                    groups[name] = _with_mirror(cast(torch.Tensor, obs[name]), *mirror)
-            both = TensorDict(groups, batch_size=[2 * obs.batch_size[0]])
-        return both, None if actions is None else _with_mirror(actions, *self._mirror["action"])
-
-
-def _tensors(index_sign: tuple[np.ndarray, np.ndarray]) -> tuple[torch.Tensor, torch.Tensor]:
-    index, sign = index_sign
-    return torch.as_tensor(index), torch.as_tensor(sign, dtype=torch.float32)
-
-
-def _with_mirror(x: torch.Tensor, index: torch.Tensor, sign: torch.Tensor) -> torch.Tensor:
-    return torch.cat([x, x[..., index] * sign])
-
-
 def make_environment(
     config: PolicyTraining, cache: Path | None = Path("runs/banks")
 ) -> ImitationEnv:
@@ -200,117 +115,6 @@ def make_environment(
         push=config.push,
     )
     return ImitationEnv(settings, bank, seed=config.seed, curriculum=curriculum)
-
-
-def make_algorithm(env: TorchEnv, ppo: PpoConfig) -> PPO:
-    """rsl-rl's PPO with an asymmetric critic, observation normalisation and mirrored copies."""
-    network = {
-        "class_name": "rsl_rl.models:MLPModel",
-        "hidden_dims": list(ppo.hidden),
-        "activation": "relu",
-        "obs_normalization": True,
-    }
-    gaussian = {
-        "class_name": "rsl_rl.modules.distribution:GaussianDistribution",
-        "init_std": ppo.init_std,
-        "std_range": (0.02, ppo.max_std),
-        "std_type": "log",
-    }
-    batch = env.num_envs * ppo.horizon
-    algorithm: dict[str, Any] = {
-        "class_name": "rsl_rl.algorithms:PPO",
-        "num_learning_epochs": ppo.epochs,
-        "num_mini_batches": max(batch // ppo.minibatch, 1),
-        "clip_param": ppo.clip,
-        "gamma": ppo.gamma,
-        "lam": ppo.lam,
-        "entropy_coef": ppo.entropy,
-        "learning_rate": ppo.learning_rate,
-        "max_grad_norm": ppo.max_grad_norm,
-        "schedule": "adaptive" if ppo.desired_kl else "fixed",
-        "desired_kl": ppo.desired_kl,
-    }
-    if ppo.mirror:
-        # A plain function: the settings are deep-copied, and the environment must not be.
-        algorithm["symmetry_cfg"] = {
-            "data_augmentation_func": lambda **batch: env.mirrored(**batch),
-            "use_data_augmentation": True,
-        }
-    settings = {
-        "num_steps_per_env": ppo.horizon,
-        "obs_groups": {"actor": ["actor"], "critic": ["actor", "privileged"]},
-        "actor": {**network, "distribution_cfg": gaussian},
-        "critic": dict(network),
-        "algorithm": algorithm,
-        "multi_gpu": None,
-    }
-    with contextlib.redirect_stdout(io.StringIO()):  # the library prints its models
-        alg = PPO.construct_algorithm(env.present(), cast(Any, env), settings, "cpu")
-    if alg.symmetry is not None:
-        # It would forward the whole mirrored batch once more for a figure nobody reads.
-        alg.symmetry.compute_loss = lambda *_: torch.zeros(())  # type: ignore[method-assign]
-    # A zero last layer: training starts as PD playback, not as noise about it.
-    last = [m for m in alg.actor.mlp.modules() if isinstance(m, torch.nn.Linear)][-1]
-    with torch.no_grad():
-        last.weight.mul_(0.01)
-        last.bias.zero_()
-    return alg
-
-
-class Figures:
-    """Means over a rollout of reward, terms, metrics and ends, by name."""
-
-    def __init__(self) -> None:
-        self.sums: dict[str, float] = {}
-        self.steps = 0
-        self.ratios: list[float] = []
-
-    def add(
-        self,
-        env: ImitationEnv,
-        rewards: np.ndarray,
-        terminated: np.ndarray,
-        truncated: np.ndarray,
-        extras: dict[str, Any],
-    ) -> None:
-        """One step's arrays."""
-        now = {"reward": rewards.mean(), "fall_rate": terminated.mean() * 30.0}
-        now |= {f"term/{k}": v.mean() for k, v in env.terms.items()}
-        now |= {f"metric/{k}": v.mean() for k, v in env.metrics.items()}
-        for name, value in now.items():
-            self.sums[name] = self.sums.get(name, 0.0) + float(value)
-        self.ratios += [float(r) for r in extras.get("episode_tracked_ratio", ())]
-        self.steps += 1
-
-    def means(self) -> dict[str, float]:
-        """Per-step means; joint RMSE in degrees; tracked-time ratio of the ended episodes."""
-        out = {k: v / self.steps for k, v in self.sums.items()}
-        out["joint_rmse_deg"] = float(np.rad2deg(np.sqrt(out.pop("metric/joint_sq"))))
-        if self.ratios:
-            out["tracked_time_ratio"] = float(np.mean(self.ratios))
-        return out
-
-
-def collect(alg: PPO, env: TorchEnv, obs: TensorDict, horizon: int) -> tuple[TensorDict, Figures]:
-    """One rollout into the algorithm's storage; the next observations and its mean figures."""
-    figures = Figures()
-    with torch.inference_mode():
-        for _ in range(horizon):
-            actions = alg.act(obs)
-            raw, rewards, terminated, truncated, extras = env.env.step(actions.numpy())
-            figures.add(env.env, rewards, terminated, truncated, extras)
-            rewards = torch.from_numpy(rewards).float()
-            if "final_ids" in extras:
-                # Time ran out, nothing failed: the return goes on with the value of what the
-                # robot last saw (rsl-rl itself would take the value of the state before).
-                last = env.tensors(extras["final_observation"], extras["final_privileged"])
-                value = alg.critic(last).squeeze(-1)
-                rewards[torch.from_numpy(extras["final_ids"])] += alg.gamma * value
-            obs = env.tensors(raw, env.env.privileged())
-            dones = torch.from_numpy(terminated | truncated).to(torch.uint8)
-            alg.process_env_step(obs, rewards, dones, {})
-        alg.compute_returns(obs)
-    return obs, figures
 
 
 # ── the run ─────────────────────────────────────────────────────────────────────────────────
@@ -348,6 +152,9 @@ class PolicyTrainer:
             figures["joint_rmse_deg"] = float(np.rad2deg(np.sqrt(figures.pop("joint_sq"))))
             on_lesson(figures)
         self.warmup = self.config.warmup
+        with torch.no_grad():
+            # What was taught is close already: explore around it, not past it.
+            self.alg.actor.distribution.log_std_param.fill_(float(np.log(TAUGHT_STD)))
         self.obs = self.env.present()
 
     def step(self) -> dict[str, float]:
@@ -368,7 +175,7 @@ class PolicyTrainer:
             "samples_per_second": self.env.num_envs * self.ppo.horizon / spent,
             "collect_share": (collected - began) / spent,
             "learning_rate": self.alg.learning_rate,
-            "action_std": float(self.alg.actor.output_std.mean()),
+            "action_std": float(self.alg.actor.output_std.detach().mean()),
             "stage": float(self.env.env.curriculum.level),
         }
 
@@ -499,7 +306,7 @@ def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
         for name, value in figures.items():
             writer.add_scalar(f"teacher/{name}", value, trainer.samples)
 
-    if trainer.samples == 0 and config.lessons:
+    if trainer.samples < config.lessons:
         trainer.teach(config.lessons, lesson)
         _keep(trainer, {"stage": float(trainer.env.env.curriculum.level)}, folder)
     began = last_save = time.monotonic()

@@ -10,7 +10,8 @@ from studio.imitation.env import EnvConfig, ImitationEnv
 from studio.imitation.teacher import TeacherConfig, load_torque, teacher_action
 from studio.robot import a1, kinematics
 from studio.training.distil import DistilConfig, Distiller
-from studio.training.policy import PolicyTraining, PpoConfig, TorchEnv, make_algorithm
+from studio.training.policy import PolicyTraining
+from studio.training.ppo import PpoConfig, TorchEnv, make_algorithm
 
 
 @pytest.fixture(scope="module")

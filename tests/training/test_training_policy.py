@@ -14,15 +14,8 @@ from studio.imitation.curriculum import Curriculum, Stage
 from studio.imitation.env import EnvConfig, ImitationEnv
 from studio.imitation.policy import Policy, save_policy
 from studio.training import checkpoint
-from studio.training.policy import (
-    PAPER,
-    PolicyTrainer,
-    PolicyTraining,
-    PpoConfig,
-    TorchEnv,
-    collect,
-    make_algorithm,
-)
+from studio.training.policy import PolicyTrainer, PolicyTraining
+from studio.training.ppo import PAPER, PpoConfig, TorchEnv, collect, make_algorithm
 
 SMALL = PpoConfig(horizon=6, epochs=1, minibatch=48, hidden=(32, 32))
 
@@ -197,20 +190,24 @@ def test_bad_settings_say_what_would_work() -> None:
 
 @pytest.mark.slow
 def test_a_short_training_beats_its_start() -> None:
-    """Sitting under full randomisation: some 40 s of training raise the tracked share clearly."""
-    torch.set_num_threads(2)
-    torch.manual_seed(0)
-    motions = build_bank("sit", per_task=6, seconds=4.0, difficulties=(1.0,))
+    """Walking under full randomisation: half a minute lifts reward and tracked time clearly."""
+    motions = build_bank("walk", per_task=6, seconds=4.0, difficulties=(1.0,))
     stage = Stage(tasks=motions.tasks, difficulty=1.0, randomisation=1.0)
     env = ImitationEnv(
-        EnvConfig(num_envs=256, threads=2), motions, curriculum=Curriculum(ladder=[stage])
+        EnvConfig(num_envs=128, threads=1), motions, curriculum=Curriculum(ladder=[stage])
     )
-    run = PolicyTrainer(PolicyTraining(state="sit", num_envs=256, threads=2), env)
-    figures = [run.step() for _ in range(26)]
+    run = PolicyTrainer(
+        PolicyTraining(state="walk", num_envs=128, threads=1, warmup=1, ppo=PpoConfig(epochs=2)),
+        env,
+    )
+    start = [run.step() for _ in range(3)][1:]  # past the first, which begins on the reference
+    run.samples = 0
+    run.teach(10 * 128 * 24, lambda figures: None)
+    end = [run.step() for _ in range(3)][1:]
 
     def mean(part: list[dict[str, float]], name: str) -> float:
         return float(np.mean([f[name] for f in part]))
 
-    start, end = figures[2:8], figures[-6:]  # past the first steps, which begin on the reference
     assert mean(end, "reward") > mean(start, "reward") + 0.05
-    assert mean(end, "metric/tracked") > mean(start, "metric/tracked")
+    assert mean(end, "metric/tracked") > mean(start, "metric/tracked") + 0.02
+    assert mean(end, "joint_rmse_deg") < mean(start, "joint_rmse_deg") - 1.0
