@@ -66,23 +66,30 @@ def review_take(sessions: Path, name: str) -> dict[str, Any]:
 
 
 def align_take(
-    sessions: Path, name: str, warp: bool = False, refuse: bool = False, show: bool = False
+    sessions: Path,
+    name: str,
+    warp: bool = False,
+    refuse: bool = False,
+    show: bool = False,
+    alone: bool = False,
 ) -> dict[str, Any]:
     """Find how late the person was and take it out: {"before", "after", "lag", "warp"}.
 
     warp: bend time too, where the tempo wandered. refuse: leave the take as it was acted, on
-    purpose. show: only say what would be done. `takes undo` takes it back.
+    purpose. show: only say what would be done. alone: by this take only, not by the others of its
+    session. `takes undo` takes it back.
     """
     library = SessionLibrary(sessions)
     if show:
         table, edits = review.open_table(sessions, name)
-        before, found = review.align(table, edits)
+        others = [] if alone else review.session_curves(library, name)
+        before, found = review.align(table, edits, others)
     elif refuse:
         review.refuse_alignment(library, name)
         table, edits = review.open_table(sessions, name)
         before = found = review.align(table, edits)[0]
     else:
-        before, found = review.accept_alignment(library, name, warp=warp)
+        before, found = review.accept_alignment(library, name, warp=warp, alone=alone)
         review.review(library, name)
         table, edits = review.open_table(sessions, name)
     return {

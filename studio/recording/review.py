@@ -4,10 +4,13 @@ Everything is worked out in blocks or windows of the take's table (`columns`), s
 costs no more memory than a minute. The tape is never changed; what is accepted becomes an edit.
 """
 
+import contextlib
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,10 +19,13 @@ from studio.recording import alignment, cleaning, lag
 from studio.recording import edits as edit_log
 from studio.recording.alignment import Alignment
 from studio.recording.cleaning import Suggestion
-from studio.recording.columns import Columns, columns
+from studio.recording.columns import CACHE, Columns, columns
 from studio.recording.edits import Edits
 from studio.recording.library import SessionLibrary
 from studio.recording.quality import Quality, median_jerk, quality
+from studio.recording.recorder import TAPE
+from studio.recording.sessions import SessionBook
+from studio.recording.take import read_meta
 from studio.robot import a1
 
 Array = NDArray[np.float64]
@@ -28,6 +34,8 @@ BLOCK_S, OVERLAP_S = 60.0, 1.0
 """s of a block in which suggestions are looked for, and how far blocks overlap."""
 ALIGN_S = 120.0
 """s, the liveliest stretch of a long take that the lag is found on."""
+SESSION_TAKES = 12
+"""Other takes of a session that help to find a take's lag."""
 WARP_KNOT_S = 0.5
 MOST_FRAMES = 1800
 """Frames a window holds at most; longer windows are thinned."""
@@ -72,7 +80,7 @@ def review(library: SessionLibrary, name: str) -> Review:
     keep = kept(len(table), edits)
     seconds = float(keep.sum()) / a1.CONTROL_HZ
     found = [s for s in suggestions(table) if _touches(s, keep)]
-    before, proposed = align(table, edits)
+    before, proposed = align(table, edits, session_curves(library, name))
     left = None
     if before is not None and proposed is not None:
         # What is still out of step, and how well the two agree once that is put right.
@@ -183,15 +191,70 @@ def _liveliest(table: Columns, keep: NDArray[np.bool_]) -> tuple[int, int]:
     return start, start + size
 
 
-def align(table: Columns, edits: Edits) -> tuple[Alignment | None, Alignment | None]:
-    """The alignment as the edits have it, and the one proposed; None where there is no telling."""
+def align(
+    table: Columns, edits: Edits, others: Sequence[lag.Curve] = ()
+) -> tuple[Alignment | None, Alignment | None]:
+    """The alignment as the edits have it, and the one proposed; None where there is no telling.
+
+    others: curves of the session's other takes, see `session_curves`.
+    """
     human, robot = _sides(table, *_liveliest(table, kept(len(table), edits)))
     if human is None or robot is None:
         return None, None
-    proposed = lag.align(human, robot, a1.CONTROL_DT)
+    proposed = lag.align(human, robot, a1.CONTROL_DT, others)
     if proposed.correlation == 0.0 and proposed.certainty == 0.0:
         return None, None
     return lag.agreement(human, robot, a1.CONTROL_DT, edits.lag or 0.0), proposed
+
+
+def session_curves(library: SessionLibrary, name: str) -> list[lag.Curve]:
+    """How likely each lag is by the newest other takes of a take's session that were not rejected;
+    empty for a take that belongs to none."""
+    try:
+        collected = (read_meta(library.folder(name)).get("about") or {}).get("collect") or {}
+        names = SessionBook(library.root).read(str(collected.get("session"))).takes
+    except StudioError:
+        return []
+    found: list[lag.Curve] = []
+    for other in reversed(names):
+        if other == name or len(found) == SESSION_TAKES:
+            continue
+        try:
+            own = _curve(library.folder(other))
+        except StudioError:
+            continue  # deleted meanwhile, or damaged
+        if own is not None:
+            found.append(own)
+    return found
+
+
+def _curve(folder: Path) -> lag.Curve | None:
+    """A take's own curve, kept beside its table: asked for again with each of its session."""
+    edits = edit_log.read_edits(folder).edits
+    if edits.keep is False:
+        return None
+    table = columns(folder)
+    key = [lag.SAMPLES_HZ, len(table), (folder / TAPE).stat().st_mtime_ns, edits.trim, edits.cuts]
+    cache = folder.parent / CACHE / f"{folder.name}.lag.json"
+    try:
+        known = msgspec.json.decode(cache.read_bytes())
+        if known["key"] == msgspec.to_builtins(key):
+            values = known["curve"]
+            return (
+                None if values is None else lag.Curve(**{k: np.array(v) for k, v in values.items()})
+            )
+    except (OSError, KeyError, TypeError, msgspec.MsgspecError):
+        pass
+    human, robot = _sides(table, *_liveliest(table, kept(len(table), edits)))
+    own = None if human is None or robot is None else lag.curve(human, robot, a1.CONTROL_DT)
+    values = (
+        None
+        if own is None
+        else {k: getattr(own, k).tolist() for k in ("lags", "level", "explained")}
+    )
+    with contextlib.suppress(OSError):
+        cache.write_bytes(msgspec.json.encode({"key": key, "curve": values}))
+    return own
 
 
 def propose_warp(table: Columns, edits: Edits, late: float) -> tuple[tuple[float, float], ...]:
@@ -234,15 +297,17 @@ def _sides(
 
 
 def accept_alignment(
-    library: SessionLibrary, name: str, *, warp: bool = False
+    library: SessionLibrary, name: str, *, warp: bool = False, alone: bool = False
 ) -> tuple[Alignment | None, Alignment | None]:
     """Make the proposed lag (and a time warp on top) an edit; before and after.
 
+    alone: by this take only, though others of its session tell how late the person is.
     Raises StudioError when there is nothing to go by.
     """
     folder = library.folder(name)
     table, edits = columns(folder), edit_log.read_edits(folder).edits
-    before, proposed = align(table, edits)
+    others = [] if alone else session_curves(library, name)
+    before, proposed = align(table, edits, others)
     if before is None or proposed is None:
         raise StudioError(f"take {name} cannot be aligned: nothing moves, or no person was seen")
     late = round(proposed.lag, 4)

@@ -54,11 +54,12 @@ def acted_take(
     lag: float | None = None,
     fidgets: bool = True,
     difficulty: float | None = None,
+    person: Person | None = None,
 ) -> ActedTake:
     """One take of a task by a new person; fidgets: people also do what nobody asked for."""
     hard = float(rng.uniform(0.3, 1.0)) if difficulty is None else difficulty
     track = between_rests(TASKS[task].sample(rng, seconds, hard), QUIET)
-    person = Person.sample(rng, family, sensor=sensor)
+    person = person or Person.sample(rng, family, sensor=sensor)
     person = person if fidgets else person.still()
     wanted = float(rng.uniform(0.0, 0.8)) if lag is None else lag
     shift = round((wanted - person.delay_s) / DT)

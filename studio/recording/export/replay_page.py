@@ -50,7 +50,8 @@ el("label").textContent = take.label || take.name;
 el("scrub").max = frames - 1;
 
 function project(x, y, z, scale, cx, cy) {
-  const c = Math.cos(yaw), s = Math.sin(yaw), a = c * x - s * y, depth = s * x + c * y;
+  // Seen from ahead and to one side; what is further away is higher on the screen.
+  const c = Math.cos(yaw), s = Math.sin(yaw), a = c * x - s * y, depth = -s * x - c * y;
   const up = Math.cos(pitch) * z + Math.sin(pitch) * depth;
   return [cx - scale * a, cy - scale * up];
 }
