@@ -123,8 +123,8 @@ class Puppeteer:
         self._timings: dict[str, float] = {}
         fresh = self._see(human)
         with self._section("retarget"):
-            self._go_on_from_where_it_is()
-            mapped = self.retargeter.step(self._human if self._age <= REUSE else None, CONTROL_DT)
+            seen = self._human if self._age <= REUSE else None
+            mapped = self.retargeter.step(seen, CONTROL_DT, watch=not self._go_on_from_here())
         if shown is None:
             self._place_at_first_vote(mapped, orders)
         self._placed = self._placed or shown is not None
@@ -283,11 +283,18 @@ class Puppeteer:
         self._human, self._age, self._t = human, 0.0, human.t
         return True
 
-    def _go_on_from_where_it_is(self) -> None:
-        """After a transition, a hold or a rest the person's motion goes on from there."""
+    def _go_on_from_here(self) -> bool:
+        """After a transition, a hold or a rest the person's motion goes on from there.
+
+        False while the robot is still on its way: nobody needs the person's reference yet.
+        """
         controller = self.controller
-        if self._placed and not controller.following:
-            self.retargeter.continue_from(controller.reference, controller.facing)
+        if not self._placed or controller.following:
+            return True
+        if controller.busy:
+            return False
+        self.retargeter.continue_from(controller.reference, controller.facing)
+        return True
 
     def _place_at_first_vote(self, mapped: Retargeted, orders: Orders) -> None:
         """The robot starts in the first voted state, unless it has been standing by already."""

@@ -105,6 +105,11 @@ class Controller:
         return self._following
 
     @property
+    def busy(self) -> bool:
+        """On a way of its own: the next step has no use for the person's reference."""
+        return self._path is not None or self._put_down is not None or self._settling > 0
+
+    @property
     def facing(self) -> float:
         """The way (rad) the feet face."""
         return transition.facing(self._last, self.state)

@@ -10,12 +10,14 @@ so that the way also holds slowly, and backwards. The person is ignored meanwhil
 """
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio import spatial
+from studio.reference import scalars
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1, kinematics
@@ -66,6 +68,11 @@ class Segment:
             foot_contact=self.end.foot_contact if s >= 1.0 else self.contact,
         )
 
+    @cached_property
+    def feet(self) -> tuple[Array, Array]:
+        """(4, 3) m each, world: the feet at the start and at the end."""
+        return feet_w(self.start), feet_w(self.end)
+
     @property
     def contact(self) -> Array:
         """(4,) which feet carry on the way."""
@@ -77,7 +84,8 @@ class Segment:
         by_foot = np.repeat([mode != "swing" for mode in self.legs], 3)
         if by_foot.any():
             c = u[:, None, None]
-            foot = (1.0 - c) * feet_w(self.start) + c * feet_w(self.end)
+            start, end = self.feet
+            foot = (1.0 - c) * start + c * end
             step = [mode == "step" for mode in self.legs]
             foot[..., 2] += CLEARANCE * np.outer(4.0 * u * (1.0 - u), step)
             foot_b = spatial.quat_rotate_inverse(base_quat[:, None], foot - base_pos[:, None])
@@ -126,7 +134,7 @@ class Haunches(Segment):
         joint_pos[:, [7, 10]] -= lag[:, None]
         joint_pos[:, [8, 11]] += lag[:, None]
         feet = spatial.quat_rotate(quat[:, None], kinematics.foot_pos_b(joint_pos))
-        start, end = feet_w(self.start)[2:].mean(axis=0), feet_w(self.end)[2:].mean(axis=0)
+        start, end = (feet[2:].mean(axis=0) for feet in self.feet)
         c = u[:, None]
         return (1.0 - c) * start + c * end - feet[:, 2:].mean(axis=1), quat, joint_pos
 
@@ -152,8 +160,8 @@ class Path:
     def at(self, t: float) -> RobotPose:
         """The pose t seconds after the start; the last one from the end on."""
         for segment in self.segments:
-            if t < segment.seconds:
-                return segment.at(t / segment.seconds)
+            if t < segment.seconds - 1e-9:  # a rounding error before its end, a segment is over
+                return segment.at(max(t, 0.0) / segment.seconds)
             t -= segment.seconds
         return self.segments[-1].at(1.0)
 
@@ -335,13 +343,13 @@ def _standing_feet_from_sit(start: RobotPose) -> Array:
 
 def with_velocity(pose: RobotPose, previous: RobotPose, dt: float = a1.CONTROL_DT) -> ReferencePose:
     """The pose as a reference, its velocities by backward differences from `previous`."""
-    turned = spatial.quat_mul(spatial.quat_conj(previous.base_quat), pose.base_quat)
+    turned = scalars.mul(scalars.conj(previous.base_quat.tolist()), pose.base_quat.tolist())
     return ReferencePose(
         base_pos=pose.base_pos,
         base_quat=pose.base_quat,
         joint_pos=pose.joint_pos,
         foot_contact=pose.foot_contact,
         base_lin_vel_w=(pose.base_pos - previous.base_pos) / dt,
-        base_ang_vel_b=spatial.quat_to_rotvec(turned) / dt,
+        base_ang_vel_b=np.array(scalars.rotvec(turned)) / dt,
         joint_vel=(pose.joint_pos - previous.joint_pos) / dt,
     )

@@ -122,8 +122,13 @@ class Retargeter:
         """Use a refined calibration from the next frame on, without a jump in the motion."""
         self.extractor.calibrator = Calibrator(calibration, dt=a1.CONTROL_DT)
 
-    def step(self, pose: HumanPose | None, dt: float = a1.CONTROL_DT) -> Retargeted:
-        """Retarget one control period; None reuses the last pose, then eases to neutral."""
+    def step(
+        self, pose: HumanPose | None, dt: float = a1.CONTROL_DT, *, watch: bool = False
+    ) -> Retargeted:
+        """Retarget one control period; None reuses the last pose, then eases to neutral.
+
+        watch: only see and select; the reference stays as it was, until `continue_from`.
+        """
         clock = perf_counter()
         timings: dict[str, float] = {}
 
@@ -145,12 +150,18 @@ class Retargeter:
         choice = self._choice
         self._enter(self.selector.lock or choice.active)  # type: ignore[arg-type]
         lap("selector")
-        mapped = self.experts.mappers[self._planting.state](triplet)
-        lap("mapper")
         # Whoever locks a state wants it driven, however far the motion is from the training data.
         unknown = choice.expert == "unknown" and self.selector.lock is None
-        lost = unknown or self._silence > HOLD
-        reference, clipped = self._planting.step(self._toward_neutral(mapped, lost, dt), dt)
+        self._ease_on(unknown or self._silence > HOLD, dt)
+        reference, clipped = self._planting.last, False
+        contact_prob = reference.foot_contact
+        if watch:
+            lap("mapper")
+        else:
+            mapped = self.experts.mappers[self._planting.state](triplet)
+            contact_prob = mapped.contact_prob
+            lap("mapper")
+            reference, clipped = self._planting.step(self._toward_neutral(mapped), dt)
         lap("consistency")
         return Retargeted(
             expert=choice.expert,
@@ -158,7 +169,7 @@ class Retargeter:
             votes=choice.votes,
             distance=choice.distance,
             reference=reference,
-            contact_prob=mapped.contact_prob,
+            contact_prob=contact_prob,
             clipped=clipped,
             features=self._features,
             timings_ms=timings,
@@ -180,9 +191,12 @@ class Retargeter:
         self._first = False
         self._planting.continue_from(pose, yaw)
 
-    def _toward_neutral(self, mapped: Mapped, lost: bool, dt: float) -> Mapped:
-        """The mapped frame, blended to the state's neutral pose while the person is lost."""
-        self._ease = float(np.clip(self._ease + (-dt if lost else dt) / EASE, 0.0, 1.0))
+    def _ease_on(self, lost: bool, dt: float) -> None:
+        """Towards neutral while the person is lost, and back."""
+        self._ease = min(max(self._ease + (-dt if lost else dt) / EASE, 0.0), 1.0)
+
+    def _toward_neutral(self, mapped: Mapped) -> Mapped:
+        """The mapped frame, blended to the state's neutral pose by how far that has gone."""
         s = self._ease * self._ease * (3.0 - 2.0 * self._ease)
         if s >= 1.0:
             return mapped

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio import spatial
-from studio.robot import a1
+from studio.robot import a1, single
 
 Array = NDArray[np.float64]
 
@@ -46,7 +46,10 @@ def _from_hip_frame(a: Array, x: Array, y: Array, z: Array) -> Array:
 
 def foot_pos_b(joint_pos: ArrayLike) -> Array:
     """Foot sphere centres (..., 4, 3) in the base frame of joint_pos (..., 12)."""
-    a, b, c = _split(joint_pos)
+    q = np.asarray(joint_pos, dtype=np.float64)
+    if q.size == a1.NUM_JOINTS == q.shape[-1]:
+        return np.array(single.feet(q.ravel().tolist())).reshape(*q.shape[:-1], 4, 3)
+    a, b, c = _split(q)
     return _leg_points(a, b, c)
 
 
@@ -91,9 +94,13 @@ def leg_ik(foot_b: ArrayLike, near: ArrayLike | None = None) -> tuple[Array, Arr
     """
     foot = np.asarray(foot_b, dtype=np.float64)
     assert foot.shape[-2:] == (4, 3), f"foot_b must be (..., 4, 3), not {foot.shape}"
+    near_hip = np.zeros(4) if near is None else _split(near)[0]
+    batch = foot.shape[:-2]
+    if foot.size == 12 and near_hip.shape in ((4,), (*batch, 4)):
+        angles, errors = single.joints(foot.reshape(4, 3).tolist(), near_hip.ravel().tolist())
+        return np.array(angles).reshape(*batch, 12), np.array(errors).reshape(*batch, 4)
     p = foot - a1.HIP_OFFSET
     x, y, z = p[..., 0], p[..., 1], p[..., 2]
-    near_hip = np.zeros(4) if near is None else _split(near)[0]
 
     # In the plane across the hip axis the foot lies at angle `direction`, the leg at `opening`
     # from it: on one side for a foot below the hip, on the other above (a raised paw).
