@@ -13,24 +13,24 @@ Array = NDArray[np.float64]
 
 
 class FollowingOperator(_Performed):
-    """Performs whatever `show` last gave, a period at a time. Endless; one thread."""
+    """Performs what `show` gives, a period each: its clock is what it is shown, so that a loop that
+    is late slows both alike. Endless; one thread."""
 
     def __init__(self, *, seed: int = 0, style: str = "march") -> None:
         person_rng, acting = np.random.default_rng(seed).spawn(2)
         person = Person.sample(person_rng, sensor="mocap", style=style).still()
         super().__init__("operator:follow", person, acting)
-        self._row = sig.of_intents([Intent()])
+        self._row: Array | None = None
 
     def show(self, intent: Intent) -> None:
         """What the person sees meant in this control period."""
         self._row = sig.of_intents([intent])
 
     def read(self, t: float) -> HumanPose | None:
-        """The newest pose with time <= t (s) that was not given before."""
-        due = self._due(t)
-        if due <= self._given:
+        """The pose of the period shown last, once."""
+        if self._row is None:
             return None
-        rows = np.repeat(self._row, min(due - self._given, 300), axis=0)
-        self._given = due
-        seen, confidence, _, _ = self.performer.advance(rows)
-        return HumanPose(t=due / 30.0, joint_pos_w=seen[-1], confidence=confidence[-1])
+        self._given += 1
+        seen, confidence, _, _ = self.performer.advance(self._row)
+        self._row = None
+        return HumanPose(t=self._given * sig.DT, joint_pos_w=seen[0], confidence=confidence[0])

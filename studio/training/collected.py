@@ -95,7 +95,7 @@ def run_train_takes(config: TakesTraining) -> dict[str, Any]:
 def _train(config: TakesTraining, say: Say, began: float) -> dict[str, Any]:
     shipped = load_experts(config.style)
     say({"event": "reading", "takes": len(config.takes)})
-    found = read_pairs(config.sessions, config.takes)
+    found = read_pairs(config.sessions, config.takes, config.dataset, config.style)
     name = check_name(config.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}", "mapper")
     out = Path(config.sessions) / "mappers" / name
     splits = {s: split_pairs(found.by_take(s)) for s in config.states if found.count(s)}

@@ -8,6 +8,8 @@ import { DRIVE, heldKeys, keyboard } from "./keys.js";
 import { VOCABULARY, meaningOf } from "./vocabulary.js";
 import { drawTakes, startTakes } from "./takes.js";
 import { startSource, drawSource } from "./source.js";
+import { collectKeys, drawCollect, startCollect } from "./collect.js";
+import { drawReview, reviewKeys, startReview } from "./review.js";
 
 const SLIDERS = [
   { name: "tilt_gain", title: "Tilt gain", low: 0, high: 2, step: 0.05, show: (v) => `× ${v.toFixed(2)}`, help: "How far the robot leans when you do" },
@@ -33,6 +35,7 @@ const actions = {
   Enter: () => attempt(() => post("/api/arm")),
   T: () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"),
   "?": () => $("#shortcuts").showModal(),
+  ...collectKeys, ...reviewKeys,
   1: () => look("front"), 2: () => look("side"), 3: () => look("behind"), 4: () => look("top"),
 };
 const driving = () => app.state?.source === "operator:interactive";
@@ -88,12 +91,16 @@ const rows = [
   ["Esc", "emergency stop, wherever the focus is"], ["Space", "emergency stop, outside controls"],
   ["R", "reset: stand up"], ["Enter", "arm: follow again"], ["1–4", "camera: front, side, behind, above"],
   ["T", "dark or light"], ["?", "this help"],
+  ["G V M", "collecting: start, end the preview, abort"], ["K B N", "collecting: keep, redo, next"],
+  ["P , . L", "reviewing: play, a frame back or on, loop"], ["I O Z Y", "reviewing: trim here, undo, redo"],
   ...DRIVE.map(([key, what]) => [key, `keyboard driving: ${what}`]),
 ];
 for (const [key, what] of rows) $("#keys").append(el("kbd", {}, key), el("span", {}, what));
 
 startSource(app);
 startTakes(app);
+startReview(app);
+startCollect(app);
 startView({ keys: listen, ready: () => $("#veil").classList.add("gone") });
 
 // What changes thirty times a second …
@@ -109,6 +116,8 @@ ticks((tick) => {
   }
   const now = tick.state === "transition" ? `changing to ${tick.transition_to ?? "…"}` : tick.state;
   text($("#state-now"), now);
+  const shown = tick.mode === "collect" || (tick.mode === "replay" && tick.controller === "recorded");
+  text($('.caption[data-figure="reference"] b'), shown ? "Shown A1" : "Retargeted A1");
   captions({
     human: tick.human ? (tick.expert === "unknown" ? "motion not known" : `meaning: ${tick.expert}`) : "nobody seen",
     reference: now,
@@ -135,6 +144,7 @@ function drawState(state) {
   status.dataset.kind = stopped ? "stopped" : state.why ? "wait" : "moving";
   const doing = { stand: "standing with you", walk: "walking as you march", sit: "sitting with you", transition: "changing its stance" };
   text($("span", status), state.why ? capital(state.why)
+    : state.mode === "collect" ? "Collecting: the robot shows what to act out"
     : state.mode === "replay" ? "Replaying a take, as it was" : `Following: ${doing[state.state] ?? state.state}`);
   const { holder, pages } = state.control ?? { pages: [] };
   const mine = holder === pageName();
@@ -150,6 +160,8 @@ function drawState(state) {
   drawController(state);
   drawSource(state);
   drawTakes(state);
+  drawReview(state);
+  drawCollect(state);
 }
 
 function drawController(state) {

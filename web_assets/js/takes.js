@@ -2,6 +2,7 @@
 
 import { $, attempt, el, text, toast } from "./ui.js";
 import { call, get, post } from "./net.js";
+import { openReview } from "./review.js";
 
 let recording = null;
 
@@ -44,6 +45,7 @@ async function refresh() {
       el("span", {}, `${(take.seconds ?? 0).toFixed(1)} s · ${take.ticks ?? 0} ticks`)),
     el("button", { title: "Let the recorded person drive the robot again", onclick: () =>
       attempt(() => post("/api/source", { source: `take:${take.name}` })) }, "Drive"),
+    el("button", { title: "Scrub, trim, align, judge", onclick: () => openReview(take.name) }, "Review"),
     el("button", { title: "Show the take again as it was", onclick: () => attempt(() => replay(take.name)) }, "Replay"),
     el("button", { title: "Delete (to a bin)", "aria-label": `Delete ${take.name}`, onclick: () =>
       attempt(async () => { await call("DELETE", `/api/takes/${take.name}`); refresh(); }) }, "✕"),
