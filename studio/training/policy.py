@@ -8,7 +8,7 @@ import logging
 import subprocess
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, cast
 
@@ -127,6 +127,11 @@ class PolicyTrainer:
         torch.manual_seed(config.seed)
         self.config = config
         self.ppo = PAPER if config.preset == "paper" else config.ppo
+        if config.lessons:
+            # Lessons are mirrored already. With a taught policy's small spread, PPO's ratio of a
+            # mirrored sample (old probability of the original) is far from 1 however symmetric
+            # the policy nearly is: reward then falls while PPO believes it rises (measured).
+            self.ppo = replace(self.ppo, mirror=False)
         self.env = TorchEnv(env or make_environment(config))
         self.env.env.reset()
         self.alg = make_algorithm(self.env, self.ppo)
