@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from studio.errors import StudioError
 from studio.live.commands import SetMapper
 from studio.live.mappers import list_mappers, mapper_folder
+from studio.recording import datasets
 from studio.recording.library import SessionLibrary
 from studio.reference.intent import STATES
 from studio.retarget.store import STYLES
@@ -22,10 +23,12 @@ T = TypeVar("T")
 
 
 class TrainBody(BaseModel):
-    """Which takes, which states and style. start: go on from the shipped experts, or scratch."""
+    """Which takes, or which data set version; which states and style. start: go on from the
+    shipped experts, or from scratch."""
 
     model_config = ConfigDict(extra="forbid")
-    takes: list[str] = Field(min_length=1, max_length=10_000)
+    takes: list[str] = Field(default=[], max_length=10_000)
+    dataset: str | None = Field(default=None, max_length=120)
     states: list[str] = Field(default=list(STATES), min_length=1)
     style: str = "march"
     name: str | None = Field(default=None, max_length=120)
@@ -64,7 +67,14 @@ def train_router(hub: Hub) -> APIRouter:
         name = body.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}"
         if mapper_folder(hub.sessions, name).exists():
             raise StudioError(f"a mapper named {name} exists: choose another name")
-        options = ["--takes", *body.takes, "--states", *body.states, "--style", body.style]
+        if body.dataset is not None:
+            datasets.load(hub.sessions, body.dataset)
+            source = ["--dataset", body.dataset]
+        elif body.takes:
+            source = ["--takes", *body.takes]
+        else:
+            raise StudioError("choose takes to learn from, or a data set version")
+        options = [*source, "--states", *body.states, "--style", body.style]
         options += ["--start", body.start, "--steps", str(body.steps)]
         return name, [*options, "--mirror" if body.mirror else "--no-mirror"]
 
@@ -84,6 +94,12 @@ def train_router(hub: Hub) -> APIRouter:
     async def cancel() -> dict[str, Any]:
         """End it; nothing is kept of it."""
         return plain((await off_thread(jobs.cancel)).as_dict())
+
+    @router.get("/datasets")
+    async def data_sets() -> list[dict[str, Any]]:
+        """Every data set version: what it was made from, and how many pairs it holds."""
+        found = await off_thread(lambda: datasets.versions(hub.sessions))
+        return plain([{k: v for k, v in m.items() if k != "statistics"} for m in found])
 
     @router.get("/mappers")
     async def mappers() -> list[dict[str, Any]]:

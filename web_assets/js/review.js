@@ -4,6 +4,8 @@ import { $, attempt, capital, el, press, text, toast } from "./ui.js";
 import { call, get, post } from "./net.js";
 import { Timeline } from "./timeline.js";
 
+const EXPORTS = [["npz", "NPZ: both sides"], ["csv", "CSV: both sides"], ["bvh", "BVH: the person"], ["jsonl", "JSON lines: the person"],
+  ["pairs", "Pairs as Parquet"], ["hdf5", "HDF5"], ["lerobot", "LeRobot data set"], ["html", "Replay as a web page"]];
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 let app = null, name = null, info = null, found = null, before = null, timeline = null, came = "live", aligned = true;
 
@@ -36,6 +38,8 @@ export function startReview(studio) {
       el("div", { class: "bench-right" },
         button("bench-undo", "↶", "Take the last edit back (Z)", () => step("undo")),
         button("bench-redo", "↷", "Do it again (Y)", () => step("redo")),
+        el("select", { id: "bench-export", "aria-label": "Export the take", onchange: (e) => save(e.target) },
+          el("option", { value: "" }, "Export"), ...EXPORTS.map(([format, title]) => el("option", { value: format }, title))),
         button("bench-split", "Split", "Two takes, cut here", split),
         button("bench-bin", "Bin", "Throw the take into the bin", bin))),
     el("div", { class: "bench-line" }, el("canvas", { id: "timeline", role: "img", "aria-label": "Both sides over time" })),
@@ -77,6 +81,11 @@ const bin = () => attempt(async () => {
   $("#toasts .toast:last-child")?.append(" ", note);
   changed();
 });
+
+function save(select) {
+  el("a", { href: take(`/export?format=${select.value}`), download: "" }).click();
+  select.value = "";
+}
 
 const changed = () => document.dispatchEvent(new CustomEvent("takes-changed"));
 

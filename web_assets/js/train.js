@@ -10,6 +10,7 @@ let takes = [], job = null, timer = null, seen = null;
 export function startTrain() {
   $("#train-body").append(
     el("p", { class: "note", id: "train-takes" }),
+    el("select", { id: "train-from", "aria-label": "Learn from" }, el("option", { value: "" }, "The takes ticked above")),
     el("div", { class: "row states", role: "group", "aria-label": "States to train" },
       ...["stand", "walk", "sit"].map((state) => el("label", { class: "tick" },
         el("input", { type: "checkbox", value: state, checked: true }), capital(state)))),
@@ -28,20 +29,38 @@ export function startTrain() {
   $("#train-go").addEventListener("click", () => attempt(train));
   $("#train-cancel").addEventListener("click", () => attempt(async () => { job = await post("/api/train/cancel"); draw(); }));
   get("/api/train").then((found) => { job = found; if (job) { draw(); watch(); } }).catch(() => {});
+  $("#train-from").addEventListener("change", ready);
   refreshMappers();
+  refreshVersions();
 }
 
 export function pickTakes(names) {
   takes = names;
   text($("#train-takes"), names.length ? `${names.length} take${names.length > 1 ? "s" : ""} ticked above` : "Tick takes above to learn from them");
-  $("#train-go").disabled = !names.length || job?.status === "running";
+  ready();
+}
+
+function ready() {
+  $("#train-go").disabled = job?.status === "running" || !(takes.length || $("#train-from").value);
+}
+
+async function refreshVersions() {
+  let found;
+  try { found = await get("/api/datasets"); } catch { return; }
+  const select = $("#train-from"), chosen = select.value;
+  select.replaceChildren(el("option", { value: "" }, "The takes ticked above"),
+    ...[...found].reverse().slice(0, 12).map((m) => el("option", { value: m.version },
+      `Data set ${m.version.slice(0, 8)}: ${m.takes.length} takes, ${m.count} pairs`)));
+  select.value = [...select.options].some((o) => o.value === chosen) ? chosen : "";
+  select.hidden = !found.length;
 }
 
 async function train() {
   const states = [...document.querySelectorAll("#train-body .states input:checked")].map((i) => i.value);
+  const version = $("#train-from").value;
   if (!states.length) { toast("Choose at least one state"); return; }
   const name = $("#train-name").value.trim().replace(/[^A-Za-z0-9_-]+/g, "-");
-  job = await post("/api/train", { takes, states, style: $("#train-style").value, ...(name ? { name } : {}) });
+  job = await post("/api/train", { ...(version ? { dataset: version } : { takes }), states, style: $("#train-style").value, ...(name ? { name } : {}) });
   draw();
   watch();
 }
@@ -57,6 +76,7 @@ function watch() {
       toast(`${job.name} is trained in ${job.seconds.toFixed(0)} s`, "good");
       $("#train-name").value = "";
       refreshMappers();
+      refreshVersions();
     }
   }, 400);
 }
@@ -64,7 +84,7 @@ function watch() {
 function draw() {
   const running = job.status === "running";
   $("#train-cancel").hidden = !running;
-  $("#train-go").disabled = running || !takes.length;
+  ready();
   const steps = Object.entries(job.states).filter(([, s]) => s.steps).map(([state, s]) => `${state} ${Math.round((100 * s.step) / s.steps)} %`);
   text($("#train-says"), job.status === "failed" ? capital(job.why) : running ? steps.join(" · ") || "reading takes …" : job.status === "cancelled" ? "Cancelled" : `Trained ${job.name}`);
   $("#train-says").classList.toggle("error", job.status === "failed");
