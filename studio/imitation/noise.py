@@ -10,7 +10,7 @@ from studio.robot import a1
 Array = NDArray[np.float64]
 
 # σ of each entry of p̄ per unit of joint σ: joints; height (m); roll, pitch; yaw rate; velocities.
-# Velocities are those of a whole trunk, steadier than any one joint: with as much noise as a joint's
+# Velocities are a whole trunk's, steadier than any one joint: with as much noise as a joint's
 # a policy learns to turn by half of what it is asked.
 _FEATURE_SIGMA = np.concatenate([np.ones(12), [0.1, 0.4, 0.4, 0.3, 0.25, 0.15]])
 
