@@ -22,6 +22,8 @@ from studio.imitation.transition import (
     with_velocity,
 )
 from studio.puppeteer import fell
+from studio.reference.library import TASKS
+from studio.reference.realize import realize
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1
 from studio.robot.pose import RobotPose
@@ -83,6 +85,21 @@ def test_joints_stay_within_limits_and_under_120_degrees_a_second_on_the_way(sou
     assert np.degrees(np.abs(np.diff(joints, axis=0)).max() * 30.0) <= 120.0
     assert (joints >= a1.JOINT_LOWER - 1e-9).all()
     assert (joints <= a1.JOINT_UPPER + 1e-9).all()
+
+
+@pytest.mark.parametrize("reach", [(1.0, 0.0), (0.0, 1.0), (0.5, 0.0)])
+@pytest.mark.parametrize("goal", ["sit", "walk"])
+def test_a_raised_paw_comes_down_first_within_the_speed_limit(reach, goal):
+    track = TASKS["manipulate_right"].sample(np.random.default_rng(0), 2.0)
+    held = replace(track, reach=np.tile(reach, (len(track), 1)), reach_side=0.0 * track.reach_side)
+    start = realize(held).poses()[-1]
+    assert feet_w(start)[:2, 2].max() > 0.1
+    path = plan(start, "stand", goal)
+    assert path.seconds <= MAX_SECONDS + 0.6
+    poses = [path.at(t) for t in np.arange(0.0, path.seconds + 0.1, 1 / 30)]
+    joints = np.array([p.joint_pos for p in poses])
+    assert np.degrees(np.abs(np.diff(joints, axis=0)).max() * 30.0) <= 120.0
+    assert min(feet_w(p)[:, 2].min() for p in poses) > a1.FOOT_RADIUS - 2e-3
 
 
 @pytest.mark.parametrize(("source", "goal"), PAIRS)
