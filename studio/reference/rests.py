@@ -44,7 +44,7 @@ def beats(track: IntentTrack) -> Array:
     """(B,) s at which a foot lifts, left and right by turns: what a metronome ticks to."""
     half = np.floor(2.0 * (track.phase - gait.REST_PHASE + 0.5) + 1e-9)
     steps = np.flatnonzero(np.diff(half) > 0) + 1
-    return steps[track.cadence[steps] > 0.05] * track.dt
+    return np.asarray(steps[track.cadence[steps] > 0.05] * track.dt, dtype=np.float64)
 
 
 def _home(rows: dict[str, Array], dt: float) -> dict[str, Array]:

@@ -98,7 +98,9 @@ def _train(config: TakesTraining, say: Say, began: float) -> dict[str, Any]:
     found = read_pairs(config.sessions, config.takes, config.dataset, config.style)
     name = check_name(config.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}", "mapper")
     out = Path(config.sessions) / "mappers" / name
-    splits = {s: split_pairs(found.by_take(s)) for s in config.states if found.count(s)}
+    splits: dict[StateName, Split] = {
+        s: split_pairs(found.by_take(s)) for s in config.states if found.count(s)
+    }
     enough = {s: split for s, split in splits.items() if len(split.known) >= MIN_PAIRS}
     if not enough:
         counts = ", ".join(f"{s} {found.count(s)}" for s in config.states)

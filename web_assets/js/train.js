@@ -19,6 +19,10 @@ export function startTrain() {
       el("select", { id: "train-style", "aria-label": "What walking looks like" },
         ...["march", "circles", "semantic"].map((s) => el("option", { value: s }, capital(s))))),
     el("div", { class: "row" },
+      el("select", { id: "train-start", "aria-label": "Where learning starts", title: "Little data learns best from where the shipped mapper is" },
+        el("option", { value: "shipped" }, "From the shipped mapper"), el("option", { value: "scratch" }, "From scratch")),
+      el("input", { type: "number", id: "train-steps", min: 20, max: 100000, placeholder: "Steps", "aria-label": "Steps of learning; empty: by the amount of data", title: "Steps of learning; empty: by the amount of data" })),
+    el("div", { class: "row" },
       el("button", { class: "main", id: "train-go" }, "Train"),
       el("button", { id: "train-cancel", hidden: true }, "Cancel"),
       el("span", { class: "note", id: "train-says", role: "status" })),
@@ -60,7 +64,8 @@ async function train() {
   const version = $("#train-from").value;
   if (!states.length) { toast("Choose at least one state"); return; }
   const name = $("#train-name").value.trim().replace(/[^A-Za-z0-9_-]+/g, "-");
-  job = await post("/api/train", { ...(version ? { dataset: version } : { takes }), states, style: $("#train-style").value, ...(name ? { name } : {}) });
+  job = await post("/api/train", { ...(version ? { dataset: version } : { takes }), states, style: $("#train-style").value,
+    start: $("#train-start").value, steps: +$("#train-steps").value || 0, ...(name ? { name } : {}) });
   draw();
   watch();
 }

@@ -1,0 +1,169 @@
+"""Collecting in a real browser: takes, a repair, a mapper of them, and the robot that follows."""
+
+import shutil
+import time
+
+import numpy as np
+import pytest
+from test_web_page import FLAGS, RENDERED, Served, closest, errors
+
+from studio.mocap.follower import FollowingOperator
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
+
+SEED = 2
+"""A person who reacts slowly."""
+PATIENCE = 180.0
+"""s: software WebGL on a busy machine draws a frame a second."""
+
+
+@pytest.fixture
+def served(tmp_path):
+    """A server that has to end well."""
+    served = Served(tmp_path / "sessions", "--source", "operator:quiet", "--seed", str(SEED))
+    yield served
+    status, said = served.close()
+    assert status == 0, said
+    assert "Traceback" not in said, said
+
+
+@pytest.fixture
+def page(served):
+    """The page in Chromium, its view drawn."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    path = shutil.which("chromium") or shutil.which("google-chrome")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        page = browser.new_page(viewport={"width": 1100, "height": 700})
+        problems: list[str] = []
+        page.on("pageerror", lambda error: problems.append(str(error)))
+        page.set_default_timeout(1000 * PATIENCE)
+        page.goto(served.url)
+        until(page, "() => document.querySelector('#veil')?.classList.contains('gone')")
+        yield page
+        assert problems == []
+        browser.close()
+
+
+def until(page, true: str, seconds: float = PATIENCE):
+    """The first value of a function of the page that is true; a page this busy is asked seldom."""
+    deadline = time.monotonic() + seconds
+    while not (value := page.evaluate(true)):
+        assert time.monotonic() < deadline, true
+        time.sleep(0.25)
+    return value
+
+
+def click(page, selector: str) -> None:
+    """Press a button that can be pressed, without waiting for it to stop moving on the screen."""
+    able = """(s) => {
+      const b = document.querySelector(s);
+      return b && !b.disabled && b.offsetParent !== null;
+    }"""
+    deadline = time.monotonic() + PATIENCE
+    while not page.evaluate(able, selector):
+        assert time.monotonic() < deadline, selector
+        time.sleep(0.25)
+    page.evaluate("(s) => document.querySelector(s).click()", selector)
+
+
+def test_takes_are_collected_repaired_learnt_from_and_the_new_mapper_drives(page, served):
+    client, ticks = served.client, served.ticks
+    click(page, '#mode [data-mode="collect"]')
+    until(page, "() => document.querySelectorAll('#plan .choice').length === 12")
+    for _ in range(3):
+        click(page, '.choice[data-task="tilt"] button:last-child')
+    page.evaluate(
+        """() => { document.querySelector('#collect-seconds').value = 4;
+        document.querySelector('#collect-preview').checked = false; }"""
+    )
+    click(page, "#collect-begin")
+    for number in range(3):
+        until(page, "() => a1studio.state.collect.phase === 'ready'")
+        click(page, '[data-action="go"]')
+        until(page, "() => a1studio.state.collect.phase === 'countdown'")
+        until(page, "() => a1studio.state.collect.phase === 'review'")
+        page.keyboard.press("k") if number else click(page, '[data-action="keep"]')
+    until(page, "() => a1studio.state.collect.phase === 'done'")
+    names = client.get("/api/state").json()["collect"]["kept"]
+    assert len(names) == 3
+    listed = {take["name"]: take for take in client.get("/api/takes").json()}
+    assert all(listed[name]["label"] == "tilt" and listed[name]["kept"] for name in names)
+
+    # Trim one by its handle, and take the lag out that it was acted with.
+    row = f'#collected li[data-name="{names[0]}"]'
+    click(page, f"{row} button")
+    until(page, "() => document.querySelector('#align-accept')?.offsetParent")
+    lag = client.get(f"/api/takes/{names[0]}/review").json()["found"]["lag"]
+    assert lag == pytest.approx(FollowingOperator(seed=SEED).person.delay_s, abs=2.5 / 30.0)
+    box = page.evaluate(
+        "() => { const b = document.querySelector('#timeline').getBoundingClientRect();"
+        " return [b.left, b.top, b.right]; }"
+    )
+    page.mouse.move(box[2] - 13, box[1] + 8)
+    page.mouse.down()
+    page.mouse.move(box[2] - 90, box[1] + 8, steps=3)
+    page.mouse.up()
+    wait(lambda: client.get(f"/api/takes/{names[0]}").json()["trim"])
+    trim = client.get(f"/api/takes/{names[0]}").json()["trim"]
+    assert trim[0] == 0.0
+    assert trim[1] < listed[names[0]]["seconds"] - 0.2
+    until(
+        page, "() => a1studio.state.replay?.name && !document.querySelector('#bench-undo').disabled"
+    )
+    click(page, "#align-accept")
+    wait(lambda: client.get(f"/api/takes/{names[0]}").json()["lag"])
+    assert client.get(f"/api/takes/{names[0]}").json()["lag"] == pytest.approx(lag, abs=0.05)
+    until(page, "() => /Aligned by/.test(document.querySelector('#bench-align').textContent)")
+
+    # Scrub: both figures of that time are in the view's tick.
+    client.post("/api/seek", json={"t": 3.0, "playing": False})
+    until(page, "() => Math.abs(a1studio.tick.t - 3.0) < 0.02 && a1studio.tick.mode === 'replay'")
+    assert page.evaluate("() => a1studio.tick.human !== null")
+    click(page, "#bench-close")
+
+    # Learn from the three and use what was learnt.
+    until(page, "() => document.querySelectorAll('#collected input:checked').length === 3")
+    page.evaluate(
+        """() => { for (const s of ['walk', 'sit'])
+        document.querySelector(`#train-body input[value="${s}"]`).checked = false;
+        document.querySelector('#train-steps').value = 60;
+        document.querySelector('#train-name').value = 'ada'; }"""
+    )
+    click(page, "#train-go")
+    until(page, "() => document.querySelector('.scores td.best')", 300.0)
+    click(page, '#mappers li[data-mapper="ada"] button')
+    wait(lambda: client.get("/api/state").json()["mapper"]["name"] == "ada")
+    click(page, '#mode [data-mode="live"]')
+    until(page, "() => a1studio.state.mode === 'live'")
+    assert client.post("/api/source", json={"source": "operator:tilt"}).status_code == 200
+
+    # The robot follows with it: it moves, near its reference, and is drawn where the ticks say.
+    begun = max(ticks)
+    wait(lambda: max(ticks) > begun + 240)
+    seen = [tick for index, tick in ticks.items() if index > begun + 60]
+    reference = np.array([tick["reference"]["joint_pos"] for tick in seen])
+    robot = np.array([tick["robot"]["joint_pos"] for tick in seen])
+    assert np.ptp(reference, axis=0).max() > np.radians(8.0)
+    assert np.degrees(np.sqrt(np.mean((robot - reference) ** 2))) < 8.0
+    assert not any(tick["fallen"] for tick in seen)
+    assert client.get("/api/state").json()["mapper"] == {
+        "name": "ada", "style": "march", "before": "shipped",
+    }  # fmt: skip
+    for _ in range(5):
+        rendered = page.evaluate(RENDERED)
+        time.sleep(0.5)
+        late = [ticks[i] for i in sorted(ticks)[-240:] if ticks[i]["human"]]
+        if (error := errors(rendered, closest(rendered, late))).max() < 0.03:
+            break
+    assert error.max() < 0.03, error
+    click(page, "#ab-swap")
+    wait(lambda: client.get("/api/state").json()["mapper"]["name"] == "shipped")
+
+
+def wait(true, seconds: float = PATIENCE) -> None:
+    """Until `true()`."""
+    deadline = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < deadline
+        time.sleep(0.2)
