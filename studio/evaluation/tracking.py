@@ -67,14 +67,14 @@ def run_tracking(
     episodes are kept in `cache`: a run that was cut off goes on where it stopped. From the command
     line states and controllers are names with commas between. StudioError for unknown names.
     """
-    states = cast(Sequence[StateName], _names("state", states, STATES))
+    wanted = cast(list[StateName], _names("state", states, STATES))
     controllers = _names("controller", controllers, CONTROLLERS)
     threads = int(threads)
     if episodes < 1:
         raise StudioError("evaluate tracking needs --episodes of at least 1")
     jobs = [
         (s, c)
-        for s in states
+        for s in wanted
         for c in controllers
         if c != "policy" or (models / f"{s}.safetensors").exists()
     ]

@@ -184,7 +184,7 @@ def build_bank(
         arrays = {f.name: getattr(bank, f.name) for f in fields(bank)}
         arrays = {k: v for k, v in arrays.items() if isinstance(v, np.ndarray)}
         scratch = file.with_suffix(".tmp.npz")
-        np.savez(scratch, **arrays)
+        np.savez(scratch, **arrays)  # pyright: ignore[reportArgumentType]
         scratch.rename(file)
     log.info("bank %s: %d motions of %d frames", state, len(bank), frames)
     return bank

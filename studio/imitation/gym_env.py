@@ -46,7 +46,9 @@ class A1Imitation(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self, action: NDArray[np.float32]
     ) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """One control period."""
-        observation, reward, terminated, truncated, extras = self._env.step(action[None])
+        observation, reward, terminated, truncated, extras = self._env.step(
+            action[None].astype(np.float64)
+        )
         info = {k: float(v[0]) for k, v in {**self._env.terms, **self._env.metrics}.items()}
         if truncated[0]:
             # The vectorised environment has begun anew by now; Gymnasium wants what was seen last.

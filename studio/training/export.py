@@ -8,7 +8,7 @@ gains. `examples/onnx_runner.py` runs it without this package.
 
 import json
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import onnx
@@ -27,7 +27,8 @@ def export_onnx(name: str | Path, out: Path) -> Path:
     """
     policy = Policy.load(name)
     config = policy.action_config
-    b, a = butter(2, config.cutoff_hz, fs=a1.CONTROL_HZ)
+    coefficients = butter(2, config.cutoff_hz, fs=a1.CONTROL_HZ)
+    b, a = (np.asarray(c) for c in cast(tuple[Any, Any], coefficients))
     graph = _Graph()
     graph.constant("mean", policy.network.mean[None])
     graph.constant("scale", policy.network.scale[None])

@@ -159,7 +159,7 @@ class PolicyTrainer:
         self.warmup = self.config.warmup
         with torch.no_grad():
             # What was taught is close already: explore around it, not past it.
-            self.alg.actor.distribution.log_std_param.fill_(float(np.log(TAUGHT_STD)))
+            cast(Any, self.alg.actor.distribution).log_std_param.fill_(float(np.log(TAUGHT_STD)))
         self.obs = self.env.present()
 
     def step(self) -> dict[str, float]:

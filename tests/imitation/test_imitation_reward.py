@@ -63,5 +63,6 @@ def test_total_multiplies_the_main_terms_and_adds_the_acceleration() -> None:
 
 def test_perfect_tracking_is_worth_one() -> None:
     one = np.ones(3)
-    terms = dict.fromkeys(("pose", "foot", "root_pos", "root_ori", "support", "acc"), one)
+    names = ("pose", "foot", "root_pos", "root_ori", "support", "acc")
+    terms: dict[str, np.ndarray] = {name: one for name in names}
     assert reward.total(terms, RewardConfig()) == pytest.approx(one)

@@ -3,6 +3,7 @@
 import importlib.util
 import itertools
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -49,7 +50,7 @@ def runner_class() -> type:
 
 def poses(rng: np.random.Generator, t: int) -> tuple[ReferencePose, RobotState]:
     neutral = NEUTRAL["stand"]
-    common = {"base_pos": neutral.base_pos, "base_quat": neutral.base_quat}
+    common: Any = {"base_pos": neutral.base_pos, "base_quat": neutral.base_quat}
     reference = ReferencePose(
         joint_pos=neutral.joint_pos + 0.2 * np.sin(0.2 * t + np.arange(12)),
         foot_contact=np.ones(4),
