@@ -6,6 +6,7 @@ Rooms are imported by the command that needs them, so that `--help` answers at o
 import inspect
 import json
 import logging
+import math
 import os
 import sys
 from collections.abc import Callable, Sequence
@@ -193,7 +194,8 @@ def _takes(argv: Sequence[str]) -> Answer:
         args=rest,
         config=(tyro.conf.PositionalRequiredArgs,),
     )
-    lost = [take["name"] for take in answer.get("takes", ()) if take.get("readable") is False]
+    verified = answer.get("takes", ()) if what == "verify" else ()
+    lost = [take["name"] for take in verified if not take["readable"]]
     return {**answer, "_failed": f"cannot be read: {', '.join(lost)}"} if lost else answer
 
 
@@ -285,7 +287,7 @@ def _give(answer: Any, destination: str | None) -> None:
     """The object to its file, or what people read of it to the terminal."""
     if answer is None:
         return
-    text = json.dumps(answer, indent=1, default=float)
+    text = json.dumps(_strict(answer), indent=1, default=float, allow_nan=False)
     if destination == "-" or destination is None:
         print(text)
         return
@@ -295,6 +297,19 @@ def _give(answer: Any, destination: str | None) -> None:
         path.write_text(text + "\n", encoding="utf-8")
     except OSError as error:
         raise StudioError(f"cannot write {destination}: {error.strerror}") from error
+
+
+def _strict(value: Any) -> Any:
+    """The same with null for what JSON has no word for: NaN and the infinities."""
+    if hasattr(value, "tolist"):  # numpy
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {key: _strict(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_strict(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
 
 
 if __name__ == "__main__":

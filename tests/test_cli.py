@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from studio import cli
@@ -66,6 +67,7 @@ def test_bad_usage_is_exit_status_2_and_says_something(argv, capsys):
         ["drive", "--source", "bvh:/nowhere/to.bvh"],
         ["drive", "--source", "take:nothing"],
         ["drive", "--source", "stream"],
+        ["drive", "--source", "stream", "--seconds", "1"],
         ["drive", "--source", "operator", "--seconds", "-3"],
         ["takes", "show", "nothing"],
         ["evaluate", "nothing"],
@@ -145,3 +147,37 @@ def test_every_failure_message_fits_a_line(monkeypatch, capsys):
     status, _, err = run("bench", capsys=capsys)
     assert status == 1
     assert err == "first second\n"
+
+
+def test_json_is_strict_null_stands_for_what_is_not_finite(capsys):
+    cli._give({"rows": [{"a": float("nan"), "b": np.float32("inf"), "c": (1.5,)}]}, "-")
+    out = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
+    assert out == {"rows": [{"a": None, "b": None, "c": [1.5]}]}
+
+
+def test_a_take_is_recorded_exported_into_a_new_folder_and_imported(tmp_path, capsys):
+    sessions = ("--sessions", str(tmp_path / "sessions"), "--json", "-")
+    drive = ("drive", "--source", "operator:quiet", "--seconds", "0.2", "--record")
+    name = json.loads(run(*drive, *sessions, capsys=capsys)[1])["take"]
+    out = tmp_path / "new" / "take.csv"
+    status, text, _ = run(
+        "takes", "export", name, "--format", "csv", "--out", str(out), *sessions, capsys=capsys
+    )
+    assert status == 0
+    assert json.loads(text)["file"] == str(out)
+    assert len(out.read_text().splitlines()) == 1 + 6  # a header, then 0.2 s at 30 Hz
+    folder = str(tmp_path / "sessions" / name)
+    status, text, err = run("takes", "import", folder, "--name", "copy", *sessions, capsys=capsys)
+    assert (status, json.loads(text), err) == (0, {"takes": ["copy"]}, "")
+
+
+def test_verify_tells_a_folder_of_the_users_own_from_a_take_that_is_lost(tmp_path, capsys):
+    (tmp_path / "holiday").mkdir()
+    argv = ("takes", "verify", "--sessions", str(tmp_path), "--json", "-")
+    assert run(*argv, capsys=capsys)[:2] == (0, json.dumps({"takes": []}, indent=1) + "\n")
+    (tmp_path / "lost").mkdir()
+    (tmp_path / "lost" / "tape.mcap").write_bytes(b"no tape at all")
+    status, out, err = run(*argv, capsys=capsys)
+    assert status == 1
+    assert [take["name"] for take in json.loads(out)["takes"]] == ["lost"]
+    assert len(err.strip().splitlines()) == 1

@@ -118,18 +118,16 @@ def drive(
 
 
 def _how_long(config: DriveConfig, source: Source) -> float:
-    if config.seconds is not None:
-        if not 0.0 < config.seconds <= 86_400.0:
-            raise StudioError(f"--seconds must be over 0 and at most 86400, not {config.seconds}")
-        return config.seconds
-    if source.duration is not None:
-        return source.duration + 1.0
     if not source.starts_live:
         raise StudioError(
             f"source {config.source!r} has frames only while `a1-studio serve` runs: "
             "drive operator, bvh:FILE, frames:FILE or take:NAME"
         )
-    return TOUR_SECONDS
+    if config.seconds is not None:
+        if not 0.0 < config.seconds <= 86_400.0:
+            raise StudioError(f"--seconds must be over 0 and at most 86400, not {config.seconds}")
+        return config.seconds
+    return TOUR_SECONDS if source.duration is None else source.duration + 1.0
 
 
 def _opened(path: Path) -> IO[str]:

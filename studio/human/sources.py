@@ -1,5 +1,6 @@
 """The skeletons sensors and files speak, and the linear map of each onto the canonical joints."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -200,9 +201,11 @@ def bvh_skeleton(names: Sequence[str], axes: Array = AXES_Y_UP) -> SourceSkeleto
     when hips, knees, ankles or shoulders cannot be found.
     """
     plain: dict[str, str] = {}
-    for name in names:
-        short = name.rsplit(":", 1)[-1]  # "mixamorig:LeftArm", "Character1:LeftArm"
-        key = "".join(ch for ch in short.lower() if ch.isalnum() or ch == "/")
+    short = [name.rsplit(":", 1)[-1].lower() for name in names]  # "mixamorig:LeftArm"
+    # "Character1_LeftArm", "Bip01_L_Thigh": whatever all begin with, letter by letter.
+    prefix = len(os.path.commonprefix(short))  # noqa: RUF071
+    for name, own in zip(names, short):
+        key = "".join(ch for ch in own[prefix:] if ch.isalnum() or ch == "/")
         plain.setdefault(key, name)
     parts: dict[str, Sequence[str]] = {}
     for side, words in (("l", ("left", "l")), ("r", ("right", "r"))):

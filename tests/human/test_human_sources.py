@@ -164,7 +164,9 @@ BLENDER = "hips thigh.L shin.L foot.L toe.L thigh.R shin.R foot.R toe.R head sho
         (BLENDER, "upper_arm.L forearm.L hand.L thigh.L shin.L foot.L toe.L"),
     ],
 )
-@pytest.mark.parametrize("prefix", ["", "mixamorig:"])
+@pytest.mark.parametrize(
+    "prefix", ["", "mixamorig:", "a:b:", "Character1_", "mixamorig1", "Bob:skel_", "Bip01 "]
+)
 def test_bvh_names_of_each_convention_are_understood(names: str, found: str, prefix: str):
     joints = names.split()
     source = bvh_skeleton([prefix + n for n in joints])
