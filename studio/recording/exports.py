@@ -77,6 +77,7 @@ def export(take: Take | Sequence[Take], format_name: str, path: Path) -> Path:
     name = takes[0].name if len(takes) == 1 else f"{takes[0].name}-and-{len(takes) - 1}-more"
     path = path / f"{name}{chosen.suffix}" if path.is_dir() else path
     try:
+        path.parent.mkdir(parents=True, exist_ok=True)
         chosen.write(takes, path)
     except OSError as error:
         raise StudioError(f"cannot write {path}: {error.strerror or error}") from error

@@ -243,6 +243,9 @@ class SessionLibrary:
                         continue
                     if not entry.is_dir(follow_symlinks=False):
                         continue
+                    folder = Path(entry.path)
+                    if not ((folder / META).exists() or (folder / TAPE).exists()):
+                        continue  # no take: a folder of the user's own
                     with contextlib.suppress(FileNotFoundError):  # deleted meanwhile
                         out[entry.name] = entry.stat(follow_symlinks=False).st_mtime_ns
         except FileNotFoundError:

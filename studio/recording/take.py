@@ -119,6 +119,10 @@ class _Meta(msgspec.Struct):
     about: dict[str, Any] = {}
 
 
+class _MetaLost(StudioError):
+    """meta.json is missing or damaged: the tape can still be read."""
+
+
 def read_meta(folder: Path) -> dict[str, Any]:
     """A take's meta.json; StudioError if it is missing, damaged or of another major version."""
     try:
@@ -126,7 +130,7 @@ def read_meta(folder: Path) -> dict[str, Any]:
         version = meta["format_version"]
         msgspec.convert(meta, _Meta)
     except (OSError, msgspec.MsgspecError, KeyError, TypeError) as error:
-        raise StudioError(f"{META} of take {folder.name} is missing or damaged") from error
+        raise _MetaLost(f"{META} of take {folder.name} is missing or damaged") from error
     if version != FORMAT_VERSION:
         raise StudioError(
             f"take {folder.name} has format {version}, this studio reads {FORMAT_VERSION}: open it"
@@ -145,11 +149,11 @@ def read_take(path: Path) -> Take:
     if not folder.is_dir():
         raise StudioError(f"there is no take at {folder}")
     problems: list[str] = []
-    if (folder / META).exists():
+    try:
         meta = read_meta(folder)
-    else:
+    except _MetaLost:
         meta = {}
-        problems.append(f"{META} is missing")
+        problems.append(f"{META} is {'damaged' if (folder / META).exists() else 'missing'}")
     found = TapeScan()
     ticks: list[Tick] = []
     human_tick: list[int] = []

@@ -23,6 +23,8 @@ from studio.errors import StudioError
 LIBRARY = "a1-studio"
 MAGIC = b"\x89MCAP0\r\n"
 _FOOTER, _CHANNEL, _MESSAGE, _CHUNK, _DATA_END = 2, 4, 5, 6, 15
+CHUNK = 1 << 16
+"""Bytes of a chunk before it is packed, about a second: the most a damaged end takes with it."""
 _LARGEST_CHUNK = 1 << 28
 """Bytes: no chunk of ours unpacks to more; a larger claim is damage."""
 
@@ -47,6 +49,7 @@ class TapeWriter:
         self._writer = Writer(
             file,
             use_chunking=chunked,
+            chunk_size=CHUNK,
             compression=CompressionType.ZSTD if chunked else CompressionType.NONE,
         )
         self._writer.start(profile="", library=LIBRARY)

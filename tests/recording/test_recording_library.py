@@ -82,6 +82,7 @@ def test_an_unreadable_take_is_listed_with_its_problem(sessions: Path):
     assert "no tape" in checked["problems"][0]
     shutil.rmtree(sessions / "take")
     (sessions / "take").mkdir()
+    (sessions / "take" / "meta.json").write_text("{")
     (info,) = SessionLibrary(sessions).list()
     assert info.problems
 

@@ -19,6 +19,7 @@ from mcap.stream_reader import StreamReader
 from studio.errors import StudioError
 from studio.recording import recorder as recorder_module
 from studio.recording.codec import SCHEMAS
+from studio.recording.library import SessionLibrary
 from studio.recording.take import Recorder, iter_ticks, read_take
 
 WRITER = Path(__file__).with_name("write_until_killed.py")
@@ -306,9 +307,26 @@ def test_a_take_of_another_major_version_says_what_to_do(tmp_path: Path):
     (folder / "meta.json").write_text(meta.replace('"format_version": 1', '"format_version": 2'))
     with pytest.raises(StudioError, match=r"format 2.*recorded with"):
         read_take(folder)
+
+
+def test_a_damaged_meta_json_costs_only_itself(tmp_path: Path):
+    folder = record(tmp_path, 3)
     (folder / "meta.json").write_text("{")
-    with pytest.raises(StudioError, match="damaged"):
-        read_take(folder)
+    take = read_take(folder)
+    assert len(take) == 3
+    assert take.problems == ("meta.json is damaged",)
+    row = SessionLibrary(tmp_path).verify(folder.name)[0]
+    assert row["readable"]
+    assert row["complete"]
+
+
+def test_a_finished_tape_cut_in_two_gives_most_of_its_first_half_back(tmp_path: Path):
+    folder = record(tmp_path, 180)
+    tape = folder / "tape.mcap"
+    tape.write_bytes(tape.read_bytes()[: tape.stat().st_size // 2])
+    take = read_take(folder)
+    assert take.recovered
+    assert len(take) > 45  # a chunk holds about a second; one of 1 MiB held all six
 
 
 def test_appending_costs_little(tmp_path: Path):
