@@ -72,10 +72,12 @@ def checked_token(token: str | None) -> str:
     """A token fit for a URL and a cookie; a new one if none was given."""
     if token is None:
         return secrets.token_urlsafe(24)
-    if not 8 <= len(token) <= 200 or not all(
-        c.isascii() and (c.isalnum() or c in "-_") for c in token
+    if not 1 <= len(token) <= 200 or not all(
+        c.isascii() and (c.isalnum() or c in "-_.~") for c in token
     ):
-        raise StudioError("--token needs 8 to 200 letters, digits, - or _")
+        raise StudioError("--token needs 1 to 200 letters, digits, or any of -_.~")
+    if len(token) < 8:
+        log.warning("the token is short enough to be guessed: leave --token out for a safe one")
     return token
 
 
@@ -137,10 +139,16 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
                 timeout_graceful_shutdown=2,
             )
         )
+        logging.getLogger("uvicorn.error").addFilter(_is_news)
         loop.start()
         stack.callback(loop.stop)
         view.start()
         yield server, listener, page_url(access)
+
+
+def _is_news(record: logging.LogRecord) -> bool:
+    """Not a WebSocket refused with a status of our own, which uvicorn takes for an accident."""
+    return "without completing handshake" not in record.getMessage()
 
 
 def stop_on_signals(server: uvicorn.Server) -> None:

@@ -389,11 +389,17 @@ def test_a_taken_port_is_an_error_that_says_what_to_do(studio_live):
 
 
 @pytest.mark.parametrize(
-    "token", ["short", "has space in it", "x" * 300, "semi;colon;;", "ümlaut-token"]
+    "token", ["", "has space in it", "x" * 300, "semi;colon;;", "ümlaut-token"]
 )
 def test_a_token_unfit_for_a_url_is_refused(token):
     with pytest.raises(StudioError, match="token"):
         checked_token(token)
+
+
+def test_a_short_token_is_the_users_choice_and_is_warned_of(caplog):
+    assert checked_token("secret") == "secret"
+    assert "guessed" in caplog.text
+    assert len(checked_token(None)) >= 32
 
 
 def test_an_unknown_source_is_an_error_before_anything_is_served(tmp_path):
