@@ -4,6 +4,8 @@ Inputs of a control period: observation (1, dim), reference_joint_pos (1, 12) ra
 (2, 12). Outputs: action (1, 12) for the next observations, target (1, 12) rad for the PD, and the
 next filter_state. The metadata entry "manifest" says what the observation holds, the rates and
 gains. `examples/onnx_runner.py` runs it without this package.
+
+    python -m studio.training.export walk walk.onnx
 """
 
 import json
@@ -12,11 +14,12 @@ from typing import Any, cast
 
 import numpy as np
 import onnx
+import tyro
 from onnx import TensorProto, helper, numpy_helper
 from scipy.signal import butter
 
 from studio.imitation.action import ACTION_CLIP
-from studio.imitation.policy import MODELS, Policy
+from studio.imitation.policy import Policy
 from studio.robot import a1
 
 
@@ -80,11 +83,6 @@ def export_onnx(name: str | Path, out: Path) -> Path:
     return out
 
 
-def export_all(folder: Path = MODELS) -> list[Path]:
-    """NAME.onnx beside every NAME.safetensors of `folder`."""
-    return [export_onnx(p, p.with_suffix(".onnx")) for p in sorted(folder.glob("*.safetensors"))]
-
-
 class _Graph:
     """Nodes and constants of an ONNX graph, named as they come."""
 
@@ -118,3 +116,12 @@ class _Graph:
             self.constants,
         )
         return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=9)
+
+
+def _main(name: tyro.conf.Positional[str], out: tyro.conf.Positional[Path]) -> None:
+    """Write the policy NAME (stand, walk, sit, or a path to its weights) to OUT."""
+    export_onnx(name, out)
+
+
+if __name__ == "__main__":
+    tyro.cli(_main)
