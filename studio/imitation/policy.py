@@ -11,13 +11,10 @@ from safetensors import SafetensorError
 from safetensors.numpy import load_file, save_file
 
 from studio.errors import StudioError
+from studio.imitation import frames
 from studio.imitation.action import ActionConfig, clip_action, pd_target
-from studio.imitation.observation import (
-    History,
-    ObservationConfig,
-    reference_frame,
-    sensor_frame,
-)
+from studio.imitation.observation import History, ObservationConfig
+from studio.reference import scalars
 from studio.reference.intent import STATES
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotState
@@ -51,7 +48,7 @@ class Policy:
         self.network = Network(tensors)
         self.observation = ObservationConfig(**manifest["observation"])
         self.action_config = ActionConfig(**manifest["action"])
-        self.level = np.array(manifest["level_quat"])
+        self._level = scalars.rows(manifest["level_quat"])
         self.neutral = np.array(manifest["neutral_joint_pos"])
         self.history = History(1, self.observation)
         self._begun = False
@@ -102,22 +99,8 @@ class Policy:
         return pd_target(output, p[:, :12], self.neutral, self.action_config)[0]
 
     def _frames(self, reference: ReferencePose, robot: RobotState) -> tuple[Array, Array]:
-        z = sensor_frame(
-            robot.joint_pos[None],
-            robot.base_quat[None],
-            robot.base_ang_vel_b[None],
-            self.level,
-            self.observation.yaw_rate,
-        )
-        p = reference_frame(
-            reference.joint_pos[None],
-            reference.base_pos[None, 2],
-            reference.base_quat[None],
-            reference.base_lin_vel_w[None],
-            reference.base_ang_vel_b[None],
-            self.level,
-        )
-        return z, p
+        z = frames.sensor_frame(robot, self._level, self.observation.yaw_rate)
+        return z[None], frames.reference_frame(reference, self._level)[None]
 
 
 def manifest_of(

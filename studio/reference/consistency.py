@@ -6,6 +6,7 @@ is carried by the feet that stand.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,10 +14,13 @@ from numpy.typing import NDArray
 
 from studio.reference import scalars
 from studio.reference.motion import ReferenceMotion
-from studio.robot import a1, kinematics
+from studio.robot import a1, single
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
+Vec = tuple[float, float, float]
+LEGS = range(4)
+_ZERO_HIPS = (0.0,) * 4
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,13 +63,15 @@ class ContactLock:
         self.base_pos = np.array(base_pos, dtype=np.float64)
         self.locked: Bools = np.zeros(4, dtype=bool)
         self.anchor_w = np.zeros((4, 3))
-        self._offset = np.zeros((4, 3))  # from where a foot that let go was asked to be to its lock
-        self._lift = np.zeros(4)  # height above the floor at which each foot locked
-        self._since = np.full(4, np.inf)  # s since each foot locked or let go
-        self._lag = np.zeros(4)  # m that the clip kept each foot from where it was asked to be
-        self._asked_w = np.zeros((4, 3))
-        self._hop_left = np.zeros(4)  # s that each foot's correcting step still takes
-        self._arm_w: Array | None = None  # feet relative to the base, world axes, as asked last
+        # Plain lists below: on four legs floats are three times quicker than arrays.
+        # From where a foot that let go was asked to be to where it was locked.
+        self._offset: list[Vec] = [(0.0, 0.0, 0.0)] * 4
+        self._lift = [0.0] * 4  # height above the floor at which each foot locked
+        self._since = [math.inf] * 4  # s since each foot locked or let go
+        self._lag = [0.0] * 4  # m that the clip kept each foot from where it was asked to be
+        self._asked_w: list[Vec] = [(0.0, 0.0, 0.0)] * 4
+        self._hop_left = [0.0] * 4  # s that each foot's correcting step still takes
+        self._arm_w: list[Vec] | None = None  # feet relative to the base, world axes, as asked last
 
     def step(
         self,
@@ -84,99 +90,151 @@ class ContactLock:
         feet off.
         """
         cfg = self.config
-        turn = scalars.matrix(base_quat.tolist())
-        arm = kinematics.foot_pos_b(joint_pos) @ turn.T
-        self._hop_left = np.maximum(self._hop_left - dt, 0.0)
-        want = (contact_prob > np.where(self.locked, cfg.off, cfg.on)) & (self._hop_left <= 0.0)
+        turn = scalars.rows(base_quat.tolist())
+        arm = [scalars.rotate(turn, foot) for foot in single.feet(joint_pos.tolist())]
+        was: list[bool] = self.locked.tolist()
+        anchor: list[list[float]] = self.anchor_w.tolist()
+        self._hop_left = [max(left - dt, 0.0) for left in self._hop_left]
         # A foot that the clip keeps from where it should land has not landed yet.
-        want &= self.locked | (self._lag < cfg.slip)
+        want = [
+            prob > (cfg.off if locked else cfg.on) and left <= 0.0 and (locked or lag < cfg.slip)
+            for prob, locked, left, lag in zip(
+                contact_prob.tolist(), was, self._hop_left, self._lag, strict=True
+            )
+        ]
+        before: list[float] = self.base_pos.tolist()
         if cfg.regrip < math.inf:
-            want = self._regrip(want, self.base_pos + arm)
-        stance = self.locked & want
-        let_go = self.locked & ~want
-        before = self.base_pos
-        self._carry_root(arm, stance, dt, drift_vel_w)
-        self._slow_root(before, root_speed * dt)
+            self._regrip(want, was, anchor, before, arm)
+        stance = [i for i in LEGS if was[i] and want[i]]
+        drift = (0.0, 0.0) if drift_vel_w is None else drift_vel_w[:2].tolist()
+        base = self._carried(before, arm, anchor, stance, drift, dt)
+        base = _no_further(base, before, root_speed * dt)
 
-        asked = self.base_pos + arm
-        landed = want & ~self.locked
-        self._since = np.where(let_go, 0.0, self._since + dt)
-        self._offset[let_go] = self.anchor_w[let_go] - asked[let_go]
-        fade = np.maximum(1.0 - self._since / cfg.release, 0.0)
-        swing = asked + fade[:, None] * self._offset
-        hop = cfg.hop * np.sin(math.pi * self._hop_left / cfg.hop_s)
-        swing[:, 2] = np.maximum(swing[:, 2], a1.FOOT_RADIUS + hop)
-
-        # A foot that locks above the floor settles on it, rather than dropping in one frame.
-        self.anchor_w[landed], self._since[landed], fade[landed] = swing[landed], 0.0, 1.0
-        self._lift[landed] = swing[landed, 2] - a1.FOOT_RADIUS
-        self.anchor_w[want, 2] = a1.FOOT_RADIUS + (fade * self._lift)[want]
-        foot_w = np.where(want[:, None], self.anchor_w, swing)
-        self.locked, self._arm_w = want, arm
-        self._asked_w, self._lag = foot_w, np.zeros(4)
-        return self._reach(foot_w, turn)
+        foot_w: list[Vec] = []
+        for i in LEGS:
+            x, y, z = (base[0] + arm[i][0], base[1] + arm[i][1], base[2] + arm[i][2])
+            self._since[i] += dt
+            if was[i] and not want[i]:
+                self._since[i] = 0.0
+                self._offset[i] = (anchor[i][0] - x, anchor[i][1] - y, anchor[i][2] - z)
+            fade = max(1.0 - self._since[i] / cfg.release, 0.0)
+            dx, dy, dz = self._offset[i]
+            hop = cfg.hop * math.sin(math.pi * self._hop_left[i] / cfg.hop_s)
+            foot = (x + fade * dx, y + fade * dy, max(z + fade * dz, a1.FOOT_RADIUS + hop))
+            if want[i]:
+                if not was[i]:
+                    # A foot that locks above the floor settles on it, rather than dropping.
+                    anchor[i], self._since[i], fade = list(foot), 0.0, 1.0
+                    self._lift[i] = foot[2] - a1.FOOT_RADIUS
+                anchor[i][2] = a1.FOOT_RADIUS + fade * self._lift[i]
+                foot = (anchor[i][0], anchor[i][1], anchor[i][2])
+            foot_w.append(foot)
+        self.base_pos, self.locked, self.anchor_w = np.array(base), np.array(want), np.array(anchor)
+        self._arm_w, self._asked_w, self._lag = arm, foot_w, [0.0] * 4
+        return self._reach(foot_w, base, turn, want)
 
     def recheck(self, joint_pos: Array, base_quat: Array) -> bool:
         """After the joints were clipped to (12,): carry the root again; did a locked foot slip?
 
         A foot that cannot stay on its anchor is locked anew where it is, and counted in `slips`.
         """
-        arm = kinematics.foot_pos_b(joint_pos) @ scalars.matrix(base_quat.tolist()).T
-        late = self.base_pos + arm - self._asked_w
-        self._lag = np.sqrt(np.einsum("ij,ij->i", late, late))
-        # A foot that was to land but cannot get there in time is still in the air.
-        missed = self.locked & (self._since <= 0.0) & (self._lag >= self.config.slip)
-        self.locked &= ~missed
-        self._since[missed] = np.inf
-        if not self.locked.any():
+        turn = scalars.rows(base_quat.tolist())
+        arm = [scalars.rotate(turn, foot) for foot in single.feet(joint_pos.tolist())]
+        base: list[float] = self.base_pos.tolist()
+        self._lag = [
+            math.dist(asked, _add(base, a)) for asked, a in zip(self._asked_w, arm, strict=True)
+        ]
+        for i in LEGS:
+            # A foot that was to land but cannot get there in time is still in the air.
+            if self.locked[i] and self._since[i] <= 0.0 and self._lag[i] >= self.config.slip:
+                self.locked[i], self._since[i] = False, math.inf
+        stance = [i for i in LEGS if self.locked[i]]
+        if not stance:
             return False
-        self.base_pos = _mean((self.anchor_w - arm)[self.locked])
-        return self._settle_slips(self.base_pos + arm)
+        base = _mean_gap(self.anchor_w.tolist(), arm, stance)
+        self.base_pos = np.array(base)
+        return self._settle_slips([_add(base, a) for a in arm])
 
-    def _regrip(self, want: Bools, asked: Array) -> Bools:
-        """Contacts (4,) less the foot furthest from where it is asked to be, if it must step."""
-        if (~want).sum() > 1:
-            return want
-        away = np.where(want & self.locked, np.hypot(*(asked - self.anchor_w)[:, :2].T), 0.0)
-        worst = int(away.argmax())
-        if away[worst] > self.config.regrip:
-            self._hop_left[worst] = self.config.hop_s
-            want = want.copy()
-            want[worst] = False
-        return want
-
-    def _carry_root(self, arm: Array, stance: Bools, dt: float, drift: Array | None) -> None:
-        if not stance.any():
-            x, y, z = self.base_pos.tolist()
-            z += (a1.FOOT_RADIUS - float(arm[:, 2].min()) - z) * self.config.pull
-            vx, vy = (0.0, 0.0) if drift is None else drift[:2].tolist()
-            self.base_pos = np.array([x + vx * dt, y + vy * dt, z])
+    def _regrip(
+        self,
+        want: list[bool],
+        was: list[bool],
+        anchor: list[list[float]],
+        base: list[float],
+        arm: list[Vec],
+    ) -> None:
+        """The foot furthest from where it is asked to be steps there: taken out of `want` (4,)."""
+        if sum(want) < 3:
             return
+        away = [
+            math.hypot(base[0] + arm[i][0] - anchor[i][0], base[1] + arm[i][1] - anchor[i][1])
+            if want[i] and was[i]
+            else 0.0
+            for i in LEGS
+        ]
+        furthest = max(away)
+        if furthest > self.config.regrip:
+            worst = away.index(furthest)
+            self._hop_left[worst] = self.config.hop_s
+            want[worst] = False
+
+    def _carried(
+        self,
+        base: list[float],
+        arm: list[Vec],
+        anchor: list[list[float]],
+        stance: list[int],
+        drift: Sequence[float],
+        dt: float,
+    ) -> list[float]:
+        """Where the standing feet carry the root (3,); without any, drift (2,) m/s does."""
+        pull = self.config.pull
+        if not stance:
+            x, y, z = base
+            z += (a1.FOOT_RADIUS - min(a[2] for a in arm) - z) * pull
+            return [x + drift[0] * dt, y + drift[1] * dt, z]
         if self._arm_w is not None:
-            self.base_pos = self.base_pos + _mean((self._arm_w - arm)[stance])
-        home = _mean((self.anchor_w - arm)[stance])
-        self.base_pos = self.base_pos + self.config.pull * (home - self.base_pos)
+            base = list(_add(base, _mean_gap(self._arm_w, arm, stance)))
+        home = _mean_gap(anchor, arm, stance)
+        return [b + pull * (h - b) for b, h in zip(base, home, strict=True)]
 
-    def _slow_root(self, before: Array, step: float) -> None:
-        moved = self.base_pos - before
-        way = math.sqrt(float(moved @ moved))
-        if way > step:
-            self.base_pos = before + moved * (step / way)
+    def _reach(
+        self, foot_w: list[Vec], base: list[float], turn: scalars.Matrix, locked: list[bool]
+    ) -> Array:
+        foot_b = [
+            scalars.rotate_back(turn, (x - base[0], y - base[1], z - base[2])) for x, y, z in foot_w
+        ]
+        joint_pos, error = single.joints(foot_b, _ZERO_HIPS)
+        if any(on and off > self.config.slip for on, off in zip(locked, error, strict=True)):
+            reached = single.feet(joint_pos)
+            self._settle_slips([_add(base, scalars.rotate(turn, foot)) for foot in reached])
+        return np.array(joint_pos)
 
-    def _reach(self, foot_w: Array, turn: Array) -> Array:
-        joint_pos, error = kinematics.leg_ik((foot_w - self.base_pos) @ turn)
-        if (self.locked & (error > self.config.slip)).any():
-            self._settle_slips(self.base_pos + kinematics.foot_pos_b(joint_pos) @ turn.T)
-        return joint_pos
+    def _settle_slips(self, foot_w: list[Vec]) -> bool:
+        slipped = False
+        for i in LEGS:
+            if self.locked[i] and math.dist(foot_w[i], self.anchor_w[i]) > self.config.slip:
+                self.anchor_w[i] = foot_w[i]
+                self.slips += 1
+                slipped = True
+        return slipped
 
-    def _settle_slips(self, foot_w: Array) -> bool:
-        error = np.linalg.norm(foot_w - self.anchor_w, axis=-1)
-        slipped = self.locked & (error > self.config.slip)
-        if slipped.any():
-            self.anchor_w[slipped] = foot_w[slipped]
-            self.slips += int(slipped.sum())
-            return True
-        return False
+
+def _add(a: Sequence[float], b: Sequence[float]) -> Vec:
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def _mean_gap(a: Sequence[Sequence[float]], b: list[Vec], legs: list[int]) -> list[float]:
+    """(3,) mean of a - b over some of the legs."""
+    return [sum([a[i][k] - b[i][k] for i in legs]) / len(legs) for k in range(3)]
+
+
+def _no_further(base: list[float], before: list[float], step: float) -> list[float]:
+    """A root (3,) m no further than `step` from where it was."""
+    way = math.dist(base, before)
+    if way <= step:
+        return base
+    return [b + (a - b) * (step / way) for a, b in zip(base, before, strict=True)]
 
 
 def limit_speed(joint_pos: Array, last: Array, speed_limit: float, dt: float) -> tuple[Array, bool]:
@@ -205,11 +263,6 @@ def limit_turn(base_quat: Array, last: Array, speed_limit: float, dt: float) -> 
     share = step / angle
     part = scalars.from_rotvec([share * v for v in vec])
     return np.array(scalars.mul(start, part)), True
-
-
-def _mean(rows: Array) -> Array:
-    """Mean of rows (N, 3); quicker than `mean` on a handful."""
-    return np.add.reduce(rows, axis=0) / len(rows)
 
 
 def make_consistent(

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Quat = Sequence[float]
+Vec = tuple[float, float, float]
+Matrix = tuple[Vec, Vec, Vec]
 
 
 def mul(a: Quat, b: Quat) -> tuple[float, float, float, float]:
@@ -36,16 +38,33 @@ def yaw(angle: float) -> tuple[float, float, float, float]:
     return (math.cos(0.5 * angle), 0.0, 0.0, math.sin(0.5 * angle))
 
 
+def rows(q: Quat) -> Matrix:
+    """The rows of the rotation matrix of a unit quaternion: v_a = R v_b."""
+    w, x, y, z = q
+    return (
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )
+
+
 def matrix(q: Quat) -> Array:
     """(3, 3) rotation matrix: v_a = matrix(q) @ v_b; rows of vectors (N, 3) @ matrix(q).T."""
-    w, x, y, z = q
-    return np.array(
-        (
-            (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-            (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-            (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
-        )
-    )
+    return np.array(rows(q))
+
+
+def rotate(r: Matrix, v: Sequence[float]) -> Vec:
+    """R v, with R as its rows."""
+    x, y, z = v
+    (a, b, c), (d, e, f), (g, h, i) = r
+    return a * x + b * y + c * z, d * x + e * y + f * z, g * x + h * y + i * z
+
+
+def rotate_back(r: Matrix, v: Sequence[float]) -> Vec:
+    """R^T v, with R as its rows."""
+    x, y, z = v
+    (a, b, c), (d, e, f), (g, h, i) = r
+    return a * x + d * y + g * z, b * x + e * y + h * z, c * x + f * y + i * z
 
 
 def rotvec(q: Quat) -> tuple[float, float, float]:

@@ -7,12 +7,14 @@ so that a sitting trunk, near vertical, is as well conditioned as a standing one
 are linear, in units of the training data's standard deviation.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.reference import scalars
 from studio.retarget.network import Mlp
 from studio.robot import a1
 
@@ -108,6 +110,11 @@ def root_quat(raw: Array, neutral_quat: Array) -> Array:
 
     The added identity makes a network that says nothing mean the neutral trunk.
     """
+    if raw.ndim == 1:  # live: seven times quicker than arrays of one element
+        w, x, y, z = raw.tolist()
+        w += 1.0
+        turned = scalars.mul((w, x, y, z), neutral_quat.tolist())
+        return np.array(turned) / max(math.sqrt(w * w + x * x + y * y + z * z), 1e-6)
     w, x, y, z = raw[..., 0] + 1.0, raw[..., 1], raw[..., 2], raw[..., 3]
     inv = 1.0 / np.sqrt(np.maximum(w * w + x * x + y * y + z * z, 1e-12))
     a, b, c, d = neutral_quat

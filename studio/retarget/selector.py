@@ -51,6 +51,7 @@ class Prototypes:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "_square", np.square(self.points).sum(axis=1))
+        object.__setattr__(self, "_minus_two", -2.0 * self.points)
 
     @staticmethod
     def from_tensors(tensors: Mapping[str, NDArray]) -> "Prototypes":
@@ -83,8 +84,9 @@ class Prototypes:
     def nearest(self, point: Array32, k: int) -> tuple[NDArray[np.int64], Array32]:
         """Labels and distances (k,) of the k prototypes nearest to an embedded point (D,)."""
         # |p - x|^2 less its constant |x|^2: one matrix-vector product
-        d2 = self._square - 2.0 * (self.points @ point)
-        best = np.argpartition(d2, k)[:k]
+        d2 = self._minus_two @ point
+        d2 += self._square
+        best = d2.argpartition(k)[:k]
         return self.label[best], np.sqrt(np.maximum(d2[best] + point @ point, 0.0))
 
 
@@ -135,7 +137,7 @@ class Selector:
 
     def decide(self, share: Array, distance: float) -> Choice:
         """The hysteresis alone: vote shares (3,) in order of NAMES, distance in p99s."""
-        votes = dict(zip(NAMES, (float(s) for s in share), strict=True))
+        votes = dict(zip(NAMES, share.tolist(), strict=True))
         self._update_unknown(distance)
         self._update_active(votes)
         active = self.lock or self._active
