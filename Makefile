@@ -29,11 +29,13 @@ $(BROWSER_STAMP): $(STAMP)
 	else $(BIN)/playwright install chromium; fi
 	touch $@
 
+# Two workers for two cores; a browser with software graphics wants both to itself.
 test: setup browser
-	$(BIN)/pytest
+	$(BIN)/pytest -n 2 --dist worksteal -m "not browser"
+	$(BIN)/pytest -m browser
 
 test-quick: setup
-	$(BIN)/pytest -m "not slow and not browser"
+	$(BIN)/pytest -n 2 --dist worksteal -m "not slow and not browser"
 
 check: setup
 	$(BIN)/ruff format --check .
