@@ -306,16 +306,21 @@ def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
         trainer.restore(config.checkpoint or saved)
     writer = SummaryWriter(str(folder))
 
+    began = last_save = time.monotonic()
+    first = trainer.samples
+
     def lesson(figures: dict[str, float]) -> None:
+        nonlocal last_save
         log.info("%s taught %.2f M: %s", config.state, trainer.samples / 1e6, _brief(figures))
         for name, value in figures.items():
             writer.add_scalar(f"teacher/{name}", value, trainer.samples)
+        if time.monotonic() - last_save > config.checkpoint_seconds:
+            last_save = time.monotonic()
+            _keep(trainer, figures, folder)
 
     if trainer.samples < config.lessons:
         trainer.teach(config.lessons, lesson)
         _keep(trainer, {"stage": float(trainer.env.env.curriculum.level)}, folder)
-    began = last_save = time.monotonic()
-    first = trainer.samples
     figures: dict[str, float] = {}
     while trainer.samples < config.samples and time.monotonic() - began < 3600.0 * config.hours:
         figures = trainer.step()
