@@ -118,7 +118,10 @@ def _robot(row: np.void, t: float) -> RobotState:
     pose = _pose(row, "robot")
     feet = kinematics.foot_pos_w(pose["base_pos"], pose["base_quat"], pose["joint_pos"])
     return RobotState(
-        **pose,
+        base_pos=pose["base_pos"],
+        base_quat=pose["base_quat"],
+        joint_pos=pose["joint_pos"],
+        foot_contact=pose["foot_contact"],
         t=t,
         base_lin_vel_w=np.zeros(3),
         base_ang_vel_b=np.zeros(3),

@@ -101,7 +101,9 @@ def _train(config: TakesTraining, say: Say, began: float) -> dict[str, Any]:
     splits: dict[StateName, Split] = {
         s: split_pairs(found.by_take(s)) for s in config.states if found.count(s)
     }
-    enough = {s: split for s, split in splits.items() if len(split.known) >= MIN_PAIRS}
+    enough: dict[StateName, Split] = {
+        s: split for s, split in splits.items() if len(split.known) >= MIN_PAIRS
+    }
     if not enough:
         counts = ", ".join(f"{s} {found.count(s)}" for s in config.states)
         raise StudioError(

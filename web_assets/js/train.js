@@ -27,9 +27,11 @@ export function startTrain() {
       el("button", { id: "train-cancel", hidden: true }, "Cancel"),
       el("span", { class: "note", id: "train-says", role: "status" })),
     el("canvas", { class: "loss", id: "loss", height: 110, hidden: true, role: "img", "aria-label": "Loss while training" }),
-    el("div", { id: "train-scores" }),
-    el("div", { class: "ab", id: "ab" }),
-    el("ul", { class: "takes", id: "mappers" }));
+    el("div", { id: "train-scores" }));
+  // Which mapper drives matters most while driving: its card is there in every mode.
+  $("#lock").closest(".card").after(el("details", { class: "card also", id: "mapper", open: true, hidden: true },
+    el("summary", {}, "Mapper", el("span", { class: "hint", id: "mapper-now" })),
+    el("div", { class: "ab", id: "ab" }), el("ul", { class: "takes", id: "mappers" })));
   $("#train-go").addEventListener("click", () => attempt(train));
   $("#train-cancel").addEventListener("click", () => attempt(async () => { job = await post("/api/train/cancel"); draw(); }));
   get("/api/train").then((found) => { job = found; if (job) { draw(); watch(); } }).catch(() => {});
@@ -148,6 +150,7 @@ async function refreshMappers() {
   let found;
   try { found = await get("/api/mappers"); } catch { return; }
   seen = null;
+  $("#mapper").hidden = !found.length;
   const use = (name) => attempt(async () => { await post("/api/mapper", { name }); toast(`${capital(name)} drives the robot now`, "good"); });
   $("#mappers").replaceChildren(...[...found].reverse().map((m) => el("li", { "data-mapper": m.name },
     el("div", { class: "name", title: m.made }, el("b", {}, m.name), el("span", {}, `${m.states.join(", ")} · ${m.takes.length} takes · ${m.style}`)),
@@ -159,7 +162,7 @@ export function drawTrain(state) {
   const m = state.mapper;
   if (!m || seen === `${m.name}/${m.before}`) return;
   seen = `${m.name}/${m.before}`;
-  text($("#train-now"), m.name === "shipped" ? "shipped mapper in use" : `${m.name} in use`);
+  text($("#mapper-now"), m.name);
   for (const li of $("#mappers").children) {
     const on = li.dataset.mapper === m.name;
     li.classList.toggle("now", on);
