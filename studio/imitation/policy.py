@@ -20,7 +20,9 @@ from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotState
 
 Array = NDArray[np.float64]
-MODELS = Path(__file__).resolve().parents[2] / "models" / "policy"
+_PACKAGE = Path(__file__).resolve().parents[1]
+_CARRIED = _PACKAGE / "models" / "policy"  # in an installed wheel; else beside the sources
+MODELS = _CARRIED if _CARRIED.is_dir() else _PACKAGE.parent / "models" / "policy"
 
 
 class Network:
