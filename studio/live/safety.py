@@ -55,6 +55,7 @@ class Safety:
         self.reason = ""
         self._armed_at: float | None = None
         self._holder: str | None = None
+        self._left: str | None = None
         self._beat_at = 0.0
 
     # Latches ------------------------------------------------------------------------------------
@@ -69,9 +70,15 @@ class Safety:
         self.needs_reset = False
 
     def arm(self, now: float) -> str:
-        """Release the latch; the robot follows again over a ramp. Why not, or ""."""
+        """Release the latch; the robot follows again over a ramp. Why not, or "".
+
+        Whoever arms takes the place of a page that has gone silent: it is watched again from its
+        next heartbeat.
+        """
         if self.needs_reset:
             return f"stopped ({self.reason}): reset first, so that the robot stands, then arm"
+        if self.page_lost(now):
+            self._left, self._holder = self._holder, None
         self.stopped, self.armed, self.reason = False, True, ""
         self._armed_at = now
         return ""
@@ -82,15 +89,19 @@ class Safety:
 
     def take_control(self, page: str, now: float) -> None:
         """`page` holds control: its heartbeats are watched from now on."""
-        self._holder, self._beat_at = page, now
+        self._holder, self._beat_at, self._left = page, now, None
 
     def release_control(self, page: str) -> None:
         """`page` gave control up in good order: nothing is watched."""
         if page == self._holder:
             self._holder = None
+        if page == self._left:
+            self._left = None
 
     def beat(self, page: str, now: float) -> None:
         """A heartbeat of a page. Any thread."""
+        if page == self._left:
+            self.take_control(page, now)
         if page == self._holder:
             self._beat_at = now
 

@@ -83,6 +83,17 @@ def test_a_headless_client_that_never_took_control_is_no_lost_page():
     assert safety.orders(situation(now=100.0)).directive is Directive.FOLLOW
 
 
+def test_whoever_arms_takes_the_place_of_a_lost_page_until_it_is_back():
+    safety = Safety(armed=True)
+    safety.take_control("page-1", now=0.0)
+    assert safety.orders(situation(now=5.0)).directive is Directive.STAND
+    assert safety.arm(5.0) == ""
+    assert safety.orders(situation(now=9.0)).directive is Directive.FOLLOW
+    safety.beat("page-1", 9.0)
+    assert safety.orders(situation(now=9.1)).directive is Directive.FOLLOW
+    assert safety.page_lost(9.5)
+
+
 def test_beats_of_a_page_that_only_watches_keep_nobody_alive():
     safety = Safety(armed=True)
     safety.take_control("page-1", now=0.0)
