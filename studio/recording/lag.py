@@ -40,9 +40,9 @@ BAND_HZ = (0.25, 6.0)
 DIMS, RANK = 16, 3
 """Principal components of the person's motion, and how many directions among them are explained:
 more would let noise vote."""
-SAMPLES_HZ = 1.44
-"""Independent samples in a second of motion, so that `certainty` is the share of right answers: at
-this value synthetic takes were within a frame in 65 % where certainty said 67."""
+SAMPLES_HZ = 0.6
+"""Independent samples in a second of motion, so few that `certainty` claims no more than it holds
+(tests/recording/test_recording_lag.py)."""
 STEP_SHARES = (0.42, 0.46, 0.50)
 """How long a person's foot may be in the air, as a share of the stride."""
 STILL = 0.003
@@ -148,7 +148,7 @@ def curve(human: HumanSide, robot: RobotSide, dt: float) -> Curve | None:
     Takes are at rest at both ends: there, the last pose is taken to last.
     """
     lags = np.arange(round(MIN_LAG_S / dt), round(MAX_LAG_S / dt) + 1)
-    return _likelihood(human, robot, dt, lags)
+    return _likelihood(human, robot, dt, lags.astype(np.float64))
 
 
 def align(human: HumanSide, robot: RobotSide, dt: float, others: Sequence[Curve] = ()) -> Alignment:
@@ -240,12 +240,12 @@ def _basis(x: Array) -> Array:
 
 @lru_cache(maxsize=4)
 def _filter(low: float, high: float) -> Array:
-    return butter(2, [low, high], "band", fs=a1.CONTROL_HZ, output="sos")
+    return np.asarray(butter(2, [low, high], "band", fs=a1.CONTROL_HZ, output="sos"))
 
 
 def _band(x: Array) -> Array:
     padded = np.pad(x, ((45, 45), (0, 0)), mode="edge")
-    return sosfiltfilt(_filter(*BAND_HZ), padded, axis=0)[45:-45]
+    return np.asarray(sosfiltfilt(_filter(*BAND_HZ), padded, axis=0), dtype=np.float64)[45:-45]
 
 
 def _vertex(score: Array, i: int) -> float:

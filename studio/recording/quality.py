@@ -25,6 +25,8 @@ _LABEL = {
     "limb_swap": "limbs swapped",
 }
 MIN_SECONDS = 2.0
+AGREE = 0.4
+"""Correlation under which person and robot hardly do the same; good takes reach 0.5 to 0.9."""
 ROUGHNESS_M_S3 = 60.0
 """Median jerk of the wrists, m/s^3, above which a motion is called rough; people acting a robot's
 motion stay under 30, a webcam's raw depth noise exceeds 200."""
@@ -71,8 +73,8 @@ def quality(
             reasons.append(Reason(name=kind, points=points, message=message))
     if seconds < MIN_SECONDS:
         reasons.append(Reason(name="short", points=30.0, message=f"only {seconds:.1f} s long"))
-    if alignment is not None and alignment.correlation < 0.6:
-        points = 40.0 * (0.6 - max(alignment.correlation, 0.0)) / 0.6
+    if alignment is not None and alignment.correlation < AGREE:
+        points = 40.0 * (1.0 - max(alignment.correlation, 0.0) / AGREE)
         message = f"person and robot agree little (correlation {alignment.correlation:.2f})"
         reasons.append(Reason(name="disagree", points=points, message=message))
     if alignment is not None and abs(alignment.lag) > 0.1:

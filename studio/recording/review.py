@@ -386,7 +386,9 @@ def window(
     step = max(1, -(-(b - a) // most))
     ticks = np.arange(a, b, step)
     rows = table.rows[a:b:step]
-    human, confidence = human_at(table, human_rows(ticks, edits) if aligned else ticks * 1.0)
+    human, confidence = human_at(
+        table, human_rows(ticks, edits) if aligned else ticks.astype(np.float64)
+    )
     out: dict[str, Any] = {
         "t": ticks / a1.CONTROL_HZ,
         "human": human,

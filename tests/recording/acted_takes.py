@@ -80,10 +80,19 @@ def acted_take(
     )
 
 
-def record(acted: ActedTake, root: Path, name: str, *, keep: bool | None = None) -> None:
+def record(
+    acted: ActedTake, root: Path, name: str, *, keep: bool | None = None, session: str = ""
+) -> None:
     """Write it as collecting does: the shown motion is the reference, the robot stands by."""
     recorder = Recorder(root)
-    about = {"collect": {"task": acted.task, "state": acted.motion.state, "operator": "me"}}
+    about = {
+        "collect": {
+            "task": acted.task,
+            "state": acted.motion.state,
+            "operator": "me",
+            "session": session,
+        }
+    }
     recorder.start(acted.task, name=name, about=about)
     poses = acted.motion.poses()
     for i, pose in enumerate(poses):

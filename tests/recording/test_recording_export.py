@@ -4,6 +4,7 @@ import json
 import sys
 import zipfile
 from pathlib import Path
+from typing import Any
 
 import h5py
 import numpy as np
@@ -99,7 +100,7 @@ def test_hdf5_export_has_robomimics_groups(sessions: Path, tmp_path: Path):
     answer = commands.export_take(sessions, "manipulate_left", "hdf5", tmp_path, more=("walk",))
     ticks, take = lasting(sessions)
     with h5py.File(answer["file"]) as file:
-        data = file["data"]
+        data: Any = file["data"]
         assert json.loads(data.attrs["env_args"])["env_name"] == "a1-studio"
         assert sorted(data) == ["demo_0", "demo_1"]
         demo = data["demo_0"]

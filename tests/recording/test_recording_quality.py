@@ -32,9 +32,9 @@ def test_a_fallen_robot_a_late_person_and_a_short_take_are_named():
     late = Alignment(lag=0.5, correlation=0.3, certainty=0.5)
     q = quality.quality(seconds=1.0, found=[], alignment=late, fallen_share=0.5, jerk_m_s3=240.0)
     assert {r.name for r in q.reasons} == {"fallen", "short", "disagree", "lag", "rough"}
-    # 35 + 30 + 40 * .5 + 10 * .5 + 10 * log2(4) = 110: never below nothing
-    assert sum(r.points for r in q.reasons) == pytest.approx(110.0)
-    assert q.score == 0.0
+    # 35 + 30 + 40 * (1 - .3 / .4) + 10 * .5 + 10 * log2(4) = 100
+    assert sum(r.points for r in q.reasons) == pytest.approx(100.0)
+    assert q.score == pytest.approx(0.0)
 
 
 def test_jerk_of_a_cubic_is_its_third_derivative():
