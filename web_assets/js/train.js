@@ -20,7 +20,7 @@ export function startTrain() {
         ...["march", "circles", "semantic"].map((s) => el("option", { value: s }, capital(s))))),
     el("div", { class: "row" },
       el("select", { id: "train-start", "aria-label": "Where learning starts", title: "Little data learns best from where the shipped mapper is" },
-        el("option", { value: "shipped" }, "From the shipped mapper"), el("option", { value: "scratch" }, "From scratch")),
+        el("option", { value: "shipped" }, "From shipped"), el("option", { value: "scratch" }, "From scratch")),
       el("input", { type: "number", id: "train-steps", min: 20, max: 100000, placeholder: "Steps", "aria-label": "Steps of learning; empty: by the amount of data", title: "Steps of learning; empty: by the amount of data" })),
     el("div", { class: "row" },
       el("button", { class: "main", id: "train-go" }, "Train"),
