@@ -68,6 +68,7 @@ def test_the_shipped_expert_is_right_about_collected_takes(collected):
         assert np.degrees(np.sqrt(np.mean(error**2))) < 5.0
 
 
+@pytest.mark.slow
 def test_training_on_takes_writes_a_mapper_better_than_the_nearest_pair(collected, tmp_path):
     root, names = collected
     progress = tmp_path / "progress.jsonl"

@@ -29,6 +29,7 @@ def collect(studio, **plan) -> list[str]:
     return [name for name in state["collect"]["kept"] if name not in before]
 
 
+@pytest.mark.slow
 def test_a_take_is_collected_reviewed_trimmed_aligned_and_split(collecting):
     client = collecting.client
     (name,) = collect(collecting)
