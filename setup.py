@@ -1,4 +1,4 @@
-"""What pyproject.toml cannot say: a wheel carries the trained models and the page inside the package."""
+"""What pyproject.toml cannot say: a wheel carries the trained models and the page."""
 
 import shutil
 from pathlib import Path

@@ -13,7 +13,9 @@ def test_a_build_carries_models_and_page_inside_the_package(tmp_path, monkeypatc
     monkeypatch.setattr(setuptools, "setup", lambda **_: None)
     monkeypatch.chdir(ROOT)
     build_type = runpy.run_path(str(ROOT / "setup.py"))["BuildWithAssets"]
-    build = build_type(setuptools.Distribution({"packages": ["studio"]}))
+    distribution = setuptools.Distribution({"packages": ["studio"]})
+    distribution.script_name = "setup.py"
+    build = build_type(distribution)
     build.build_lib = str(tmp_path)
     build.ensure_finalized()
     build.run()

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport
+from studio.evaluation.tracking import commit
 from studio.human.calibration import calibrate
 from studio.mocap import SourceEnded, open_source
 from studio.puppeteer import Puppeteer, PuppeteerConfig
@@ -59,7 +60,9 @@ def run_people(
     config = PeopleConfig(clips=Path(clips), style=style, controller=controller, seed=seed)
     labels = read_labels(config.clips)
     rows = [clip_row(config, name, intervals) for name, intervals in labels.items()]
-    return {"rows": [*rows, overall(rows)]}
+    rows.append(overall(rows) | {"episodes": len(rows)})
+    made_by = commit()
+    return {"rows": [{"episodes": 1, **row, "commit": made_by} for row in rows]}
 
 
 def read_labels(folder: Path) -> dict[str, list[dict[str, Any]]]:

@@ -44,6 +44,9 @@ def test_a_clip_of_ones_own_is_scored(tmp_path: Path):
     assert row["labelled"] == 61  # 0.5 s to 2.5 s at 30 a second, both ends
     assert row["survived"]
     assert total["goals_met"]
+    for each in (row, total):
+        assert {"case", "controller", "seed", "episodes", "commit"} <= each.keys()
+        assert each["episodes"] == 1
 
 
 def test_a_folder_without_labels_is_refused(tmp_path: Path):
