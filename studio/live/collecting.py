@@ -95,7 +95,8 @@ class Collector:
         """Go on. pose, facing (rad): of the robot's reference; resting: it follows nobody, so that
         what is shown goes on from there."""
         step = self.machine.step()
-        if resting or step.frame == 0:
+        # Never while a motion runs: what is shown must not jump because the robot had to hold.
+        if step.frame == 0 or (step.frame is None and resting and step.phase != "review"):
             self._place.stand_at(pose, facing)
         shown = step.motion.poses[step.frame] if step.motion and step.frame is not None else None
         if step.phase == "review" and step.motion is not None:

@@ -124,6 +124,28 @@ def test_redo_rejects_a_take_and_records_the_same_motion_again(loop):
     assert kept == {first["take"]: False, second["take"]: True}
 
 
+def test_what_is_shown_does_not_jump_when_the_robot_has_to_hold(loop):
+    ask(loop, plan(PlanItem(task="walk", takes=1, seconds=4.0), preview=False))
+    ask(loop, c.SetMode(mode="collect"))
+    ask(loop, c.CollectAction(action="go"))
+    until(loop, "record")
+    run(loop, 3.0)
+    source = loop.session.source
+    read, source.read = source.read, lambda t: None  # nobody is seen for a second
+    run(loop, 1.0)
+    assert not loop.session.puppeteer.controller.following
+    source.read = read
+    until(loop, "review")
+    name = ask(loop, c.CollectAction(action="keep")).data["take"]
+    poses = loop.session.collector.machine.slots[0].motion.poses
+    loop.session.close()
+    recorded = SessionLibrary(loop.config.sessions).read(name).arrays.reference["base_pos"]
+    shown = np.array([pose.base_pos for pose in poses])
+    assert np.ptp(shown[:, 0]) > 0.3
+    steps = np.linalg.norm(np.diff(recorded, axis=0), axis=-1)
+    assert steps == pytest.approx(np.linalg.norm(np.diff(shown, axis=0), axis=-1), abs=1e-5)
+
+
 def test_an_emergency_stop_throws_the_running_take_away_and_says_so(loop):
     ask(loop, plan(PlanItem(task="tilt", takes=1, seconds=3.0), preview=False))
     ask(loop, c.SetMode(mode="collect"))
