@@ -64,6 +64,7 @@ def test_keep_goes_on_and_redo_shows_the_same_motion_without_preview():
     collect.act("go")
     until(collect, "review")
     first = collect.slot
+    assert first is not None
     collect.act("redo")
     assert collect.phase == "countdown"
     assert collect.slot is first
@@ -121,6 +122,7 @@ def test_takes_added_to_a_finished_plan_make_it_ready_again():
     assert collect.phase == "done"
     collect.add(draw_slots((PlanItem(task="tilt", takes=1, seconds=2.0),), 1, first=1))
     assert collect.phase == "ready"
+    assert collect.slot is not None
     assert collect.slot.item.task == "tilt"
 
 

@@ -83,6 +83,7 @@ def test_a_collected_take_holds_what_was_shown_and_a_person_who_acts_it_out_late
     moved = np.ptp(take.arrays.robot["joint_pos"], axis=0).max()
     assert moved > 0.5 * np.ptp(shown, axis=0).max()
     ref = take.arrays.reference
+    assert take.human is not None
     lag = find_lag(
         human_channels(take.human.joint_pos_w),
         robot_channels(ref["base_pos"], ref["base_quat"], ref["joint_pos"], ref["foot_contact"]),
@@ -103,6 +104,7 @@ def test_a_take_knows_its_session_operator_and_calibration(loop):
     assert session.operator == "Ada"
     assert session.notes == "first day"
     assert session.takes == [name]
+    assert session.calibration is not None
     assert len(session.calibration["bone_length"]) == 18
     about = json.loads((loop.config.sessions / name / "meta.json").read_text())["about"]
     assert about["collect"]["session"] == session.name

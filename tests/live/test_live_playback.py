@@ -1,10 +1,8 @@
 """A take under review, played as its edits leave it; and the map of what takes cover."""
 
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from make_ticks import make_ticks  # type: ignore[import-not-found]
 
 from studio.errors import StudioError
 from studio.live.playback import Playback
@@ -13,9 +11,6 @@ from studio.recording.datamap import DataMap
 from studio.recording.edits import Edits
 from studio.recording.library import SessionLibrary
 from studio.recording.recorder import Recorder
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "recording"))
-from make_ticks import make_ticks
 
 DT = 1.0 / 30.0
 
@@ -69,6 +64,8 @@ def test_the_person_is_moved_by_the_lag_and_the_robot_is_not(folder):
     table = columns(folder)
     as_acted = Playback("sway", table, Edits(lag=0.2), aligned=False).at(1.0)
     aligned = Playback("sway", table, Edits(lag=0.2)).at(1.0)
+    assert aligned.human is not None
+    assert as_acted.human is not None
     assert np.allclose(aligned.human.joint_pos_w, table.rows["human"][36], atol=1e-6)
     assert np.allclose(as_acted.human.joint_pos_w, table.rows["human"][30], atol=1e-6)
     assert np.array_equal(aligned.reference.joint_pos, as_acted.reference.joint_pos)
