@@ -84,7 +84,9 @@ def run_tracking(
         for state, controller in jobs:
             bar.update(task, description=f"{state} {controller}")
             parts = []
-            for part in _chunks(state, controller, episodes, seed, threads, models, cache):
+            for part in _chunks(
+                cast(StateName, state), controller, episodes, seed, threads, models, cache
+            ):
                 parts.append(part)
                 bar.advance(task, len(part["success_time"]))
             figures = {k: np.concatenate([p[k] for p in parts]) for k in parts[0]}

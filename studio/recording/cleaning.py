@@ -91,7 +91,7 @@ def jitter(t: Array, joint_pos_w: Array, confidence: Array) -> list[Suggestion]:
     level = np.median(windows, axis=-1)
     shaking = level > JITTER_M
     out = []
-    for a, b in _runs(shaking.any(axis=1), single=True):
+    for a, b in _runs(np.any(shaking, axis=1), single=True):
         joints = np.flatnonzero(shaking[a : b + 1].any(axis=0))
         worst = JOINTS[int(np.argmax(level[a : b + 1].max(axis=0)))]
         share = len(joints) / len(JOINTS)

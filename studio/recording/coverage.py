@@ -85,7 +85,7 @@ def values(
     # Over one second: within a stride the trunk speeds up and slows down.
     path = np.linalg.norm(np.diff(base_pos[:, :2], axis=0, prepend=base_pos[:1, :2]), axis=-1) / dt
     turn = np.diff(np.rad2deg(yaw), prepend=np.rad2deg(yaw[:1])) / dt
-    return {
+    found: dict[str, NDArray] = {
         "roll": roll,
         "pitch": pitch,
         "yaw": np.rad2deg(yaw - np.median(yaw)) if len(yaw) else yaw,
@@ -95,6 +95,7 @@ def values(
         "speed": np.convolve(path, ones, "same"),
         "turn": np.convolve(turn, ones, "same"),
     }
+    return {name: np.asarray(value, dtype=np.float64) for name, value in found.items()}
 
 
 def coverage(segments: Mapping[str, list[dict[str, Array]]], dt: float) -> Coverage:

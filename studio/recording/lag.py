@@ -107,7 +107,7 @@ def robot_side(base_pos: Array, base_quat: Array, joint_pos: Array, contact: Arr
 
 def _smooth(x: Array) -> Array:
     kernel = np.hanning(11) / np.hanning(11).sum()
-    return np.convolve(np.pad(x, 5, mode="edge"), kernel, "valid")
+    return np.asarray(np.convolve(np.pad(x, 5, mode="edge"), kernel, "valid"), dtype=np.float64)
 
 
 def _lift_offs(foot_z: Array) -> Array:

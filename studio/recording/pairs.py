@@ -25,7 +25,7 @@ from studio.recording.edits import Edits, read_edits
 from studio.recording.library import SessionLibrary
 from studio.recording.take import read_meta
 from studio.reference.contact import contact_labels
-from studio.reference.intent import STATES
+from studio.reference.intent import STATES, StateName
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1, kinematics
 
@@ -153,7 +153,10 @@ def _stretch(
     ticks = np.arange(start, end)
     joints, confidence = review.human_at(table, review.human_rows(ticks, edits))
     clip = HumanClip(
-        name="take", t=(ticks - start) * a1.CONTROL_DT, joint_pos_w=joints, confidence=confidence
+        name="take",
+        t=np.float64(a1.CONTROL_DT) * (ticks - start),
+        joint_pos_w=joints,
+        confidence=confidence,
     )
     known = calibrate([clip[i] for i in range(0, len(clip), 10)])
     q, qd, qdd = clip_features(clip, known)
@@ -161,7 +164,7 @@ def _stretch(
         np.asarray(table.rows[f"reference_{key}"][start:end], dtype=np.float64)
         for key in ("base_pos", "base_quat", "joint_pos")
     )
-    values = {"q": q, "qd": qd, "qdd": qdd} | robot_values(str(state), pos, quat, joint_pos)
+    values = {"q": q, "qd": qd, "qdd": qdd} | robot_values(state, pos, quat, joint_pos)
     late = slice(SETTLE, None)
     return (
         ticks[late].astype(np.int32),
@@ -170,14 +173,14 @@ def _stretch(
     )
 
 
-def facing(state: str, base_quat: Array) -> float:
+def facing(state: StateName, base_quat: Array) -> float:
     """Heading (rad) of the feet in a stretch whose first frame is at or near the neutral pose."""
     turn = spatial.quat_mul(base_quat[0], spatial.quat_conj(NEUTRAL[state].base_quat))
     return float(2.0 * np.arctan2(turn[3], turn[0]))
 
 
 def robot_values(
-    state: str, base_pos: Array, base_quat: Array, joint_pos: Array
+    state: StateName, base_pos: Array, base_quat: Array, joint_pos: Array
 ) -> dict[str, Array]:
     """The robot's side of SHAPES, of a motion (T, 3), (T, 4), (T, 12) at 30 Hz."""
     n, dt = len(joint_pos), a1.CONTROL_DT

@@ -107,7 +107,7 @@ def takes_router(hub: Hub) -> APIRouter:
 
     @router.get("/{name}/export")
     async def export(name: str, format: str = "npz") -> FileResponse:
-        """A file: jsonl or bvh (the person), npz or csv (both), pairs, hdf5, lerobot (zip), html."""
+        """A file: jsonl, bvh (the person), npz, csv (both), pairs, hdf5, lerobot (zip), html."""
         take = await off_thread(library.read, name)
         place = tempfile.TemporaryDirectory(prefix="a1-export-")
         try:

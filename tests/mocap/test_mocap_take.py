@@ -1,12 +1,9 @@
 """A recorded human, replayed: the same poses at the same control periods."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "recording"))
 from make_ticks import make_ticks  # type: ignore[import-not-found]
 
 from studio.errors import StudioError
@@ -48,6 +45,7 @@ def test_poses_return_in_the_period_that_first_used_them(sessions: Path):
     assert [n for n, _ in got] == list(range(0, 30, 3))
     originals = [tick.human for tick in make_ticks(30, human_every=3) if tick.human_fresh]
     for (n, pose), original in zip(got, originals):
+        assert original is not None
         np.testing.assert_allclose(pose.joint_pos_w, original.joint_pos_w, atol=6e-7)
         assert pose.t == pytest.approx(n / 30, abs=1e-6)
 

@@ -2,16 +2,12 @@
 
 import json
 import shutil
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from acted_takes import acted_take, record
 
 from studio import spatial
@@ -49,7 +45,7 @@ def test_pairs_are_the_live_features_of_the_person_at_t_plus_lag(library: Sessio
     assert take.human is not None
     late = HumanClip(
         name="late",
-        t=np.arange(len(take) - 12) * DT,
+        t=np.float64(DT) * np.arange(len(take) - 12),
         joint_pos_w=take.human.joint_pos_w[12:],
         confidence=take.human.confidence[12:],
     )

@@ -1,7 +1,6 @@
 """Exports come back as what the take holds; imports become takes again."""
 
 import json
-import sys
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -10,9 +9,6 @@ import h5py
 import numpy as np
 import pyarrow.parquet as pq
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from acted_takes import acted_take, record
 from make_ticks import make_ticks
 

@@ -1,7 +1,6 @@
 """Whatever lies in a take's folder, it is read or refused with a reason, never with a crash."""
 
 import contextlib
-import sys
 from pathlib import Path
 
 import msgspec
@@ -9,9 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from make_ticks import make_ticks
 
 from studio.errors import StudioError

@@ -9,14 +9,10 @@ camera or a webcam in turn; lags are spread evenly over 0 to 0.8 s; moving tasks
 sways). The takes of a session together: four 93 %, six 98 %, eight 100 %.
 """
 
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from acted_takes import DT, MOVING, acted_take, record
 
 from studio.mocap.performer import Person

@@ -1,16 +1,12 @@
 """Reviewing a take: what is found, what is accepted becomes an edit, what is undone is gone."""
 
 import resource
-import sys
 import time
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parent))
-
 from acted_takes import acted_take, record
 from make_ticks import make_ticks
 
