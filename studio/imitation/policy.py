@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save_file
 
+from studio.carried import carried
 from studio.errors import StudioError
 from studio.imitation import frames
 from studio.imitation.action import ActionConfig, clip_action, pd_target
@@ -20,9 +21,7 @@ from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotState
 
 Array = NDArray[np.float64]
-_PACKAGE = Path(__file__).resolve().parents[1]
-_CARRIED = _PACKAGE / "models" / "policy"  # in an installed wheel; else beside the sources
-MODELS = _CARRIED if _CARRIED.is_dir() else _PACKAGE.parent / "models" / "policy"
+MODELS = carried("models") / "policy"
 
 
 class Network:

@@ -7,7 +7,7 @@ from typing import Any
 
 from safetensors.numpy import load_file
 
-import studio
+from studio.carried import carried
 from studio.errors import StudioError, unknown_name
 from studio.retarget.mapper import Mapper
 from studio.retarget.selector import Prototypes
@@ -16,9 +16,8 @@ from studio.retarget.states import EXPERTS
 STYLES: tuple[str, ...] = ("march", "circles", "semantic")
 """Which human motion means walking: marching in place, circling hands, or manual features."""
 
-_PACKAGE = Path(studio.__file__).resolve().parent
-MODELS = next((p for p in (_PACKAGE / "models", _PACKAGE.parent / "models") if p.is_dir()), None)
-"""The shipped weights: inside an installed package, or beside it in a checkout."""
+MODELS = carried("models")
+"""The shipped weights."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,8 +35,8 @@ def style_dir(style: str, models: Path | None = None) -> Path:
     if style not in STYLES:
         raise unknown_name("style", style, STYLES)
     root = models or MODELS
-    if root is None:
-        raise StudioError("no models/ folder beside the package: run from a checkout or reinstall")
+    if not root.is_dir():
+        raise StudioError(f"no folder {root.name} with experts: run from a checkout or reinstall")
     return root / "mapper" / style
 
 

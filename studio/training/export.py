@@ -3,7 +3,7 @@
 Inputs of a control period: observation (1, dim), reference_joint_pos (1, 12) rad, filter_state
 (2, 12). Outputs: action (1, 12) for the next observations, target (1, 12) rad for the PD, and the
 next filter_state. The metadata entry "manifest" says what the observation holds, the rates and
-gains. `examples/onnx_runner.py` runs it without this package.
+gains. `models/policy/onnx_runner.py` runs it without this package.
 
     python -m studio.training.export walk walk.onnx
 """

@@ -13,6 +13,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 import studio
+from studio.carried import carried
 from studio.web.access import AccessMiddleware
 from studio.web.collect_api import collect_router
 from studio.web.commands_api import commands_router
@@ -28,10 +29,9 @@ from studio.web.train_api import train_router
 
 def assets_folder() -> Path:
     """The page's files: beside the sources, or beside the package in an installation."""
-    root = Path(__file__).resolve().parents[2]
-    for folder in (root / "web_assets", Path(studio.__file__).parent / "web_assets"):
-        if (folder / "index.html").is_file():
-            return folder
+    folder = carried("web_assets")
+    if (folder / "index.html").is_file():
+        return folder
     raise FileNotFoundError("web_assets/index.html is missing; install A1 Studio again")
 
 

@@ -40,7 +40,9 @@ def weights(tmp_path: Path) -> Path:
 
 
 def runner_class() -> type:
-    spec = importlib.util.spec_from_file_location("runner", REPO / "examples" / "onnx_runner.py")
+    spec = importlib.util.spec_from_file_location(
+        "runner", REPO / "models" / "policy" / "onnx_runner.py"
+    )
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -98,7 +100,7 @@ def test_the_file_says_what_it_needs(weights: Path, tmp_path: Path) -> None:
 
 
 def test_the_runner_needs_neither_studio_nor_many_lines() -> None:
-    text = (REPO / "examples" / "onnx_runner.py").read_text()
+    text = (REPO / "models" / "policy" / "onnx_runner.py").read_text()
     assert "studio" not in text
     assert len(text.splitlines()) <= 50
 
