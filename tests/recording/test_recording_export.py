@@ -145,10 +145,10 @@ def test_every_format_refuses_what_it_cannot_hold_with_reasons(name: str, tmp_pa
     if not exports.FORMATS[name].several:
         with pytest.raises(StudioError, match="holds one take"):
             exports.export([take, take], name, tmp_path)
-    missing = tmp_path / "nowhere" / "deep" / "file"
+    (tmp_path / "in_the_way").write_text("a file, not a folder")
     if not exports.FORMATS[name].folder:
-        with pytest.raises(StudioError):
-            exports.export(take, name, missing)
+        with pytest.raises(StudioError, match="in_the_way"):
+            exports.export(take, name, tmp_path / "in_the_way" / "file")
 
 
 def test_a_person_from_a_file_becomes_a_take(sessions: Path, tmp_path: Path):

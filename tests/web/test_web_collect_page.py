@@ -139,9 +139,9 @@ def test_takes_are_collected_repaired_learnt_from_and_the_new_mapper_drives(page
     assert client.post("/api/source", json={"source": "operator:tilt"}).status_code == 200
 
     # The robot follows with it: it moves, near its reference, and is drawn where the ticks say.
-    begun = max(ticks)
-    wait(lambda: max(ticks) > begun + 240)
-    seen = [tick for index, tick in ticks.items() if index > begun + 60]
+    begun = max(list(ticks))  # a copy: another thread goes on listening
+    wait(lambda: max(list(ticks)) > begun + 240)
+    seen = [tick for index, tick in list(ticks.items()) if index > begun + 60]
     reference = np.array([tick["reference"]["joint_pos"] for tick in seen])
     robot = np.array([tick["robot"]["joint_pos"] for tick in seen])
     assert np.ptp(reference, axis=0).max() > np.radians(8.0)
