@@ -73,7 +73,8 @@ def ppo_rate() -> float:
         if done.returncode:
             lines = done.stderr.strip().splitlines()
             raise StudioError(f"training did not run: {lines[-1] if lines else 'no word why'}")
-        return float(json.loads(report.read_text())["samples_per_second"])
+        figures = json.loads(report.read_text())
+        return figures["samples"] / figures["seconds"]
 
 
 def _rate(step: Any, num_envs: int, seconds: float) -> float:
