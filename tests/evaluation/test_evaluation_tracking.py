@@ -16,6 +16,7 @@ FIGURES = (
 )
 
 
+@pytest.mark.slow
 def test_rows_carry_every_figure_with_its_interval_and_come_from_the_cache(tmp_path: Path) -> None:
     def make() -> dict:
         return run_tracking(

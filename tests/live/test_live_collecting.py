@@ -112,6 +112,7 @@ def test_a_take_knows_its_session_operator_and_calibration(loop):
     assert about["calibration"]["leg_length"] == pytest.approx(0.85, abs=0.2)
 
 
+@pytest.mark.slow
 def test_redo_rejects_a_take_and_records_the_same_motion_again(loop):
     ask(loop, plan(PlanItem(task="crouch", takes=1, seconds=2.0), preview=False))
     ask(loop, c.SetMode(mode="collect"))
@@ -176,6 +177,7 @@ def test_leaving_collect_gives_the_source_back_and_lets_it_go_on(loop):
     assert loop.state_dict()["why"] == ""
 
 
+@pytest.mark.slow
 def test_a_sitting_task_is_shown_sitting_and_acted_out_sitting(loop):
     ask(loop, plan(PlanItem(task="sit_tilt", takes=1, seconds=3.0), preview=False))
     ask(loop, c.SetMode(mode="collect"))

@@ -56,6 +56,7 @@ def test_the_teacher_looks_ahead(bank: MotionBank) -> None:
     assert env.noisy_joint_pos + 0.25 * action == pytest.approx(ahead)
 
 
+@pytest.mark.slow
 def test_lessons_bring_the_student_closer_to_the_teacher(bank: MotionBank) -> None:
     env = environment(bank, 32)
     env.reset()

@@ -98,7 +98,8 @@ def test_labels_of_a_steady_walk_have_its_speed_and_no_heading():
     np.testing.assert_allclose(out["rates"][6:, RATES["base_lin_acc"]], 0.0, atol=1e-9)
 
 
-@pytest.mark.parametrize("state", ["walk", pytest.param("stand", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("state", ["walk", "stand"])
 def test_a_small_training_beats_its_start_and_ridge_on_strangers(state: str):
     # People stand in more ways than they walk: it takes longer to beat a straight line there.
     config = replace(SMALL, steps=3 * SMALL.steps if state == "stand" else SMALL.steps)
@@ -116,6 +117,7 @@ def test_a_small_training_beats_its_start_and_ridge_on_strangers(state: str):
     assert trained["contact_f1"] > 0.8
 
 
+@pytest.mark.slow
 def test_training_resumes_to_the_very_same_weights(tmp_path):
     pairs = make_pairs("sit", 30.0, 1)
     config = replace(SMALL, steps=80)
