@@ -8,6 +8,7 @@ import numpy as np
 
 from studio.errors import StudioError
 from studio.human.pose import HumanPose
+from studio.live.transport import Transport
 from studio.recording.columns import Columns
 from studio.recording.edits import Edits
 from studio.recording.review import human_at, human_rows
@@ -16,57 +17,22 @@ from studio.robot import a1, kinematics
 from studio.robot.a1 import CONTROL_DT
 from studio.robot.pose import ReferencePose, RobotState
 
-_EPS = 1e-9
 
-
-class Playback:
-    """Remembers where in the take it is. Only the loop's thread calls it, but for its making."""
+class Playback(Transport):
+    """Holds the take's table and edits; paused at the start of its trim until somebody plays it."""
 
     def __init__(self, name: str, table: Columns, edits: Edits, *, aligned: bool = True) -> None:
         """aligned: the person as lag and warp put them; else as they were recorded. StudioError
         for a take without ticks."""
         if not len(table):
             raise StudioError(f"take {name!r} holds no ticks: nothing to show")
-        self.name, self._table, self._edits, self.aligned = name, table, edits, aligned
-        self.seconds = (len(table) - 1) * CONTROL_DT
-        start, end = edits.trim or (0.0, self.seconds)
-        self.range = (min(start, self.seconds), min(end, self.seconds))
-        self.t, self.playing, self.speed, self.loop = self.range[0], False, 1.0, False
+        self._table, self._edits, self.aligned = table, edits, aligned
         self._shown = -1
-
-    def seek(
-        self,
-        t: float | None = None,
-        playing: bool | None = None,
-        speed: float | None = None,
-        loop: bool | None = None,
-    ) -> None:
-        """Go to `t` s, play or pause, at a speed (0.1 to 4), again and again within the trim."""
-        if speed is not None:
-            if not 0.1 - _EPS <= speed <= 4.0 + _EPS:
-                raise StudioError(f"speed must be between 0.1 and 4, not {speed}")
-            self.speed = speed
-        if loop is not None:
-            self.loop = loop
-        if t is not None:
-            self.t = float(np.clip(t, 0.0, self.seconds))
-        if playing is not None:
-            self.playing = playing
-            if playing and self.t >= self.range[1] - _EPS:
-                self.t = self.range[0]
+        super().__init__(name, (len(table) - 1) * CONTROL_DT, edits.trim)
 
     def step(self) -> Tick:
-        """The tick to show in this control period; then time goes on."""
-        tick = self.at(self.t)
-        if self.playing:
-            self.t += CONTROL_DT * self.speed
-            end = (
-                self.range[1] if self.t - CONTROL_DT * self.speed <= self.range[1] else self.seconds
-            )
-            if self.t >= end - _EPS:
-                self.t = self.range[0] if self.loop else end
-                self.playing = self.loop
-        return tick
+        """The tick to show in this control period."""
+        return self.at(self.advance())
 
     def at(self, t: float) -> Tick:
         """The take at `t` s, to the nearest row."""
