@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from studio.human.calibration import Calibration, calibrate
 from studio.human.features import clip_features
 from studio.human.skeleton import INDEX
-from studio.mocap.performer import Person, exercise, play, squats
+from studio.mocap.performer import Performance, Person, exercise, play, squats
 from studio.mocap.performer import signals as sig
 from studio.reference.library import TASKS
 from studio.retarget.selector import NAMES, SELECTOR_CUTOFF_HZ, TripletFilter
@@ -75,6 +75,8 @@ def sequences(
         low_pass = TripletFilter(SELECTOR_CUTOFF_HZ, 1.0 / 30.0)
         filtered = np.stack([low_pass.step(row) for row in triplet])
         label = labels(performance.true_pos_w)
+        if style == "circles":
+            label = circle_labels(label, performance)
         label[: 30 if not scanned else 10] = UNLABELLED
         keep = label != UNLABELLED
         yield Frames(
@@ -150,6 +152,18 @@ def labels(true_pos_w: Array) -> NDArray[np.int64]:
     label[stepping & (deep < SIT_KNEE)] = WALK
     label[quiet & ((deep > SIT_KNEE) | (down & (deep > STAND_KNEE + 0.14)))] = SIT
     return label
+
+
+def circle_labels(label: NDArray[np.int64], performance: Performance) -> NDArray[np.int64]:
+    """(T,) labels of somebody who walks by circling the hands, from those of the legs.
+
+    Walk: the hands go round, and neither does anything else. What begins or ends has no label.
+    """
+    circling = performance.pace > 0.7
+    busy = performance.idle.max(axis=1) > 0.1
+    walk = circling & ~busy & (label == STAND)
+    between = (performance.pace > 0.05) & ~walk & (label == STAND)
+    return np.where(walk, WALK, np.where(between, UNLABELLED, label))
 
 
 def _since(flag: NDArray[np.bool_]) -> Array:

@@ -61,7 +61,9 @@ def act(
             knee=knee,
             shank=shank,
             pelvis_shift=shift,
-            pelvis_drop=h.bob * pace * 0.5 * (1.0 - np.cos(4.0 * np.pi * phase)),
+            # Whoever stands and circles the hands hardly bobs.
+            pelvis_drop=(0.3 if person.style == "circles" else 1.0)
+            * (h.bob * pace * 0.5 * (1.0 - np.cos(4.0 * np.pi * phase))),
             pelvis_rpy=pelvis,
             trunk_rpy=trunk,
             head_rpy=turn_head,
@@ -216,15 +218,39 @@ def _march_arms(person: Person, s: Array, pace: Array, phase: Array) -> Array:
     add = np.zeros((len(s), 2, 4))
     w = pace[:, None]
     if person.style == "circles":
-        size = h.circle_size * (0.5 + 0.5 * s[:, sig.LIFT, None])
-        to_pose = h.circle_arm - h.hang
-        add += w[..., None] * to_pose
-        add[..., 0] += w * size * np.sin(turn)
-        add[..., 3] += w * 1.2 * size * np.cos(turn)
-        return add
+        return w[..., None] * (_circles(person, s, turn) - h.hang)
     # An arm goes forward with the other side's leg: against its own.
     beat = -np.sin(turn + 0.35)
     add[..., 0] = w * (h.arm_swing * beat + 0.3 * h.march_out)
     add[..., 1] = w * h.march_out
     add[..., 3] = w * (h.march_flex + 0.35 * h.arm_swing * beat)
     return add
+
+
+def _circles(person: Person, s: Array, turn: Array) -> Array:
+    """(T, 2, 4) arms whose hands go round in front of the body, forwards over the top, in turn.
+
+    turn: (T, 2) rad, where each hand is on its way: 0 at the back of the circle, rising. The wrist
+    goes round the place that `circle_arm` puts it, in the plane of the bent arm, by two-bone IK.
+    The higher the step that is meant, the larger the circle.
+    """
+    h, upper, fore = person.habits, person.body.upper_arm, person.body.forearm
+    at, bend = h.circle_arm[0], h.circle_arm[0] + h.circle_arm[3]
+    centre = np.array(
+        [upper * np.sin(at) + fore * np.sin(bend), -upper * np.cos(at) - fore * np.cos(bend)]
+    )
+    size = 0.35 + 0.65 * np.clip(s[:, sig.LIFT, None], 0.0, 1.0)
+    radius = h.circle_size * upper * size * h.step_asymmetry
+    # Nobody goes round evenly, or quite in a circle.
+    turn = turn + 0.6 * (h.step_skew - 1.0) * np.sin(turn)
+    tall = np.sqrt(h.step_shape)
+    x = centre[0] - radius / tall * np.cos(turn)
+    z = centre[1] + radius * tall * np.sin(turn)
+    span = np.clip(np.hypot(x, z), 0.12, 0.98 * (upper + fore))
+    flex = np.pi - np.arccos(
+        np.clip((upper**2 + fore**2 - span**2) / (2.0 * upper * fore), -1.0, 1.0)
+    )
+    ahead = np.arctan2(x, -z) - np.arctan2(fore * np.sin(flex), upper + fore * np.cos(flex))
+    arms = np.repeat(np.repeat(h.circle_arm[None, None], len(s), axis=0), 2, axis=1)
+    arms[..., 0], arms[..., 3] = ahead, flex
+    return arms

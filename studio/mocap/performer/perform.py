@@ -28,12 +28,14 @@ class Performance:
 
     clip: what the sensor saw, frame i at i / 30 s. true_pos_w: (T, 19, 3) m, before the sensor.
     idle: (T, 2) in [0, 1], how much the (right, left) arm does something nobody asked for.
+    pace: (T,) in [0, 1], how far arms and trunk have taken up walking, in the person's style.
     delay_s: frame i shows the intent of time t[i] - delay_s.
     """
 
     clip: HumanClip
     true_pos_w: Array
     idle: Array
+    pace: Array
     delay_s: float
 
     @property
@@ -64,6 +66,7 @@ class Performer:
         self._carriage = Fir(bell(_CARRIAGE_S, DT, h.profile))
         self._last_phase: float | None = None
         self._strides = 0.0
+        self.pace = np.zeros(0)  # of the frames last performed, see Performance
 
     def advance(self, signal: Array) -> tuple[Array, Array, Array, Array]:
         """The next T frames of a signal (T, NUM).
@@ -78,6 +81,7 @@ class Performer:
         s[:, [sig.WALK, sig.SIT]] = states
         tempo = self._tempo(s[:, sig.CADENCE])
         legs, pace = self._settle(marching(s)), self._carriage(marching(s))
+        self.pace = pace
         posture, idle = act(
             self.person, s, tempo, legs, pace, *self._sway(steps), *self._fidgets(steps)
         )
@@ -109,14 +113,17 @@ class Performer:
 
 def play(signal: Array, person: Person, rng: np.random.Generator | int, name: str) -> Performance:
     """A whole signal (T, NUM) at 30 Hz, performed."""
-    seen, confidence, true, idle = Performer(person, rng).advance(signal)
+    performer = Performer(person, rng)
+    seen, confidence, true, idle = performer.advance(signal)
     clip = HumanClip(
         name=name,
         t=np.arange(len(signal), dtype=np.float64) * DT,
         joint_pos_w=seen,
         confidence=confidence,
     )
-    return Performance(clip=clip, true_pos_w=true, idle=idle, delay_s=person.delay_s)
+    return Performance(
+        clip=clip, true_pos_w=true, idle=idle, pace=performer.pace, delay_s=person.delay_s
+    )
 
 
 def perform(track: IntentTrack, person: Person, rng: np.random.Generator | int = 0) -> HumanClip:
