@@ -4,26 +4,26 @@ Every method sees the same frames of the same performances and is planted by the
 temporal consistency; "without contact" rows let the mapped velocity carry the root instead.
 """
 
+import json
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio import metrics, spatial
+from studio.errors import unknown_name
+from studio.evaluation.pair_methods import SIZES, Fitted, fit_methods, spread
 from studio.reference.intent import STATES, StateName
-from studio.retarget.baselines.base import FrameMapper, Targets
 from studio.retarget.baselines.foot_height import contact_by_height
-from studio.retarget.baselines.nearest import NearestPair
-from studio.retarget.baselines.ridge import Ridge
 from studio.retarget.mapper import RATES, Mapped
 from studio.retarget.planting import Planting
-from studio.retarget.store import load_experts
+from studio.retarget.store import STYLES, load_experts, style_dir
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT
-from studio.training.mapper import commit, make_pairs
+from studio.training.mapper import MapperTraining, commit, make_pairs
 from studio.training.operator_pairs import PairSet
 
 log = logging.getLogger(__name__)
@@ -55,38 +55,80 @@ def run_pairs(
     seed: int = 0,
     style: str = "march",
     train_seconds: float = 300.0,
+    steps: int = 1200,
+    sizes: tuple[int, ...] = SIZES,
     states: tuple[StateName, ...] = STATES,
     tick: Callable[[str], None] = log.info,
     **_: Any,
 ) -> dict[str, Any]:
-    """Rows per state and method. episodes: held-out performances of 10 s per state (default 12).
+    """Rows per state, method and number of pairs; episodes: held-out performances of 10 s a state
+    (default 12).
 
-    The baselines are fitted to `train_seconds` of the same kind of pairs as the experts (default
-    family); everything is scored on the family "held_out".
+    All methods are fitted to the same pairs of the default family, `sizes` of a state's
+    `train_seconds` and all of them, the networks in `steps` gradient steps a state (see
+    `pair_methods`); "expert" alone is the shipped one. All are scored on the family "held_out".
     """
-    experts = load_experts(style)
+    shipped = load_experts(style).mappers
+    known = {s: make_pairs(s, train_seconds, seed, style) for s in states}
+    held = {
+        s: make_pairs(s, 10.0 * (episodes or 12), seed + HELD_OUT_SEED, style, "held_out")
+        for s in states
+    }
+    training = MapperTraining(style=_style(style), seed=seed, steps=steps, resume=False)
     rows: list[dict[str, Any]] = []
+
+    def add(state: StateName, case: str, fitted: Fitted, *, by_height: bool = False) -> None:
+        clips = clips_of(held[state])
+        mapped = [fitted.method(clip.triplet) for clip in clips]
+        rows.append(
+            {
+                "state": state,
+                "case": case,
+                "controller": fitted.controller,
+                "pairs": fitted.pairs,
+                "fit_seconds": fitted.fit_seconds,
+                "seed": seed,
+                "episodes": len(clips),
+                "frames": len(held[state]),
+                "commit": commit(),
+                **score(state, clips, [by_foot_height(m) if by_height else m for m in mapped]),
+            }
+        )
+        tick(f"{state} {case}: {rows[-1]['joint_rmse_deg']:.1f} deg")
+
+    for size in (*sizes, None):
+        said = "all pairs" if size is None else f"{size} pairs"
+        methods = fit_methods({s: spread(known[s], size) for s in states}, training)
+        for state, fitted in methods.items():
+            for one in fitted:
+                add(state, f"{one.controller}, {said}", one)
     for state in states:
-        known = make_pairs(state, train_seconds, seed, style)
-        held = make_pairs(state, 10.0 * (episodes or 12), seed + HELD_OUT_SEED, style, "held_out")
-        targets = Targets(**{f: getattr(known, f) for f in Targets.__dataclass_fields__})
-        methods: dict[str, FrameMapper] = {
-            "nearest_pair": NearestPair(known.triplet, targets),
-            "ridge": Ridge(known.triplet, targets),
-            "expert": experts.mappers[state],
-        }
-        clips = [held.take(held.clip == c) for c in np.unique(held.clip)]
-        for name, method in methods.items():
-            mapped = [method(clip.triplet) for clip in clips]
-            row = {"state": state, "case": name, "controller": name, "seed": seed}
-            row.update(episodes=len(clips), frames=len(held), commit=commit())
-            row.update(score(state, clips, mapped))
-            tick(f"{state} {name}: {row['joint_rmse_deg']:.1f} deg")
-            rows.append(row)
-        rows.append({**rows[-1], "case": "expert, contact by foot height"})
-        by_height = [by_foot_height(method(clip.triplet)) for clip in clips]
-        rows[-1].update(score(state, clips, by_height))
+        facts = sidecar(style, state)
+        ours = Fitted(
+            controller="expert",
+            method=shipped[state],
+            pairs=int(facts["scores"]["train_frames"]),
+            fit_seconds=float(facts["seconds"]),
+        )
+        add(state, "expert", ours)
+        add(state, "expert, contact by foot height", ours, by_height=True)
     return {"rows": rows}
+
+
+def clips_of(pairs: PairSet) -> list[PairSet]:
+    """The performances of a set, one by one."""
+    return [pairs.take(pairs.clip == c) for c in np.unique(pairs.clip)]
+
+
+def sidecar(style: str, state: StateName) -> dict[str, Any]:
+    """What is written beside a shipped expert's weights."""
+    return json.loads((style_dir(style) / f"{state}.json").read_text())
+
+
+def _style(style: str) -> Literal["march", "circles", "semantic"]:
+    if style not in STYLES:
+        raise unknown_name("style", style, STYLES)
+    return style  # type: ignore[return-value]
 
 
 def by_foot_height(mapped: Mapped) -> Mapped:

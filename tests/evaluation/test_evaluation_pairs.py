@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 
+from studio.evaluation.pair_methods import SIZES, spread, widened
 from studio.evaluation.pairs import run_pairs, switches
+from studio.evaluation.pairs_report import table
 from studio.retarget.baselines.base import Targets, unstack
 from studio.retarget.baselines.foot_height import contact_by_height
 from studio.retarget.baselines.nearest import NearestPair
 from studio.retarget.baselines.ridge import Ridge
 from studio.robot import a1, kinematics
+from studio.training.mapper import make_pairs
 
 
 def linear_pairs(n: int = 400) -> tuple[np.ndarray, Targets]:
@@ -61,14 +64,57 @@ def test_switches_are_counted_per_second_and_foot():
     assert switches(contact) == pytest.approx(0.5)
 
 
+def test_the_monolithic_network_has_the_weights_of_three_experts():
+    assert widened(20, 2, 10, 4, 1) == 20
+    h = widened(128, 3, 165, 52, 3)
+
+    def weights(h: int) -> int:
+        return 165 * h + h + 2 * (h * h + h) + 52 * h + 52
+
+    assert weights(h) == pytest.approx(3 * weights(128), rel=0.01)
+
+
+def test_few_pairs_are_spread_over_all_performances():
+    pairs = make_pairs("stand", 30.0, 0)
+    few = spread(pairs, 76)
+    assert len(few) == 76
+    assert set(few.clip) == set(pairs.clip)
+    assert spread(pairs, None) is pairs
+
+
+def test_the_table_of_several_seeds_has_a_line_per_state_and_case():
+    figures = {
+        "orientation_error_deg": 2.0,
+        "foot_error_m": 0.012,
+        "foot_skate_m_s": 0.001,
+        "contact_f1": 0.9,
+        "fit_seconds": 3.0,
+        "pairs": 76,
+        "commit": "abc",
+        "state": "walk",
+        "case": "nearest_pair, 76 pairs",
+    }
+    rows = [{**figures, "seed": s, "joint_rmse_deg": 5.0 + 2.0 * s} for s in (0, 1)]
+    assert table(rows).splitlines()[-1] == (
+        "| walk | nearest pair | 76 | 6.0 ± 1.0 | 2.0 | 1.2 | 0.001 | 0.900 | 3.0 |"
+    )
+
+
 @pytest.mark.slow
-def test_the_shipped_experts_beat_nearest_pair_and_ridge_on_strangers():
-    rows = run_pairs(episodes=6, train_seconds=120.0)["rows"]
+def test_more_pairs_map_better_and_the_shipped_experts_beat_the_baselines_on_strangers():
+    rows = run_pairs(
+        episodes=6, train_seconds=120.0, steps=400, sizes=SIZES[::2], states=("stand", "walk")
+    )["rows"]
     by = {(row["state"], row["case"]): row for row in rows}
+    said = ["76 pairs", "522 pairs", "all pairs"]
     for state in ("stand", "walk"):
-        expert = by[state, "expert"]
-        for other in ("nearest_pair", "ridge"):
-            assert expert["joint_rmse_deg"] < by[state, other]["joint_rmse_deg"], (state, other)
-        assert expert["foot_skate_m_s"] < 0.5 * expert["foot_skate_without_m_s"]
+        shipped = by[state, "expert"]
+        for other in ("nearest_pair", "ridge", "expert", "monolithic"):
+            error = [by[state, f"{other}, {n}"]["joint_rmse_deg"] for n in said]
+            assert error[-1] < error[0], (state, other)
+            assert shipped["joint_rmse_deg"] < error[-1], (state, other)
+        assert by[state, "monolithic, 522 pairs"]["pairs"] == 2 * 522
+        assert by[state, "expert, 522 pairs"]["fit_seconds"] < 30.0
+        assert shipped["foot_skate_m_s"] < 0.5 * shipped["foot_skate_without_m_s"]
         height = by[state, "expert, contact by foot height"]
-        assert expert["contact_f1"] > height["contact_f1"]
+        assert shipped["contact_f1"] > height["contact_f1"]

@@ -1,0 +1,86 @@
+"""The pairs table of several seeds → models/mapper/README.md, between its two marks.
+
+python -m studio.evaluation.pairs_report --seeds 0 1 2
+"""
+
+import logging
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import tyro
+
+from studio.errors import StudioError
+from studio.evaluation.pairs import run_pairs
+
+log = logging.getLogger(__name__)
+BEGIN, END = "<!-- table: evaluate pairs -->", "<!-- end of table -->"
+COLUMNS = {
+    "joint_rmse_deg": ("joints (deg)", 1.0, 1),
+    "orientation_error_deg": ("trunk (deg)", 1.0, 1),
+    "foot_error_m": ("feet (cm)", 100.0, 1),
+    "foot_skate_m_s": ("skate (m/s)", 1.0, 3),
+    "contact_f1": ("contact F1", 1.0, 3),
+    "fit_seconds": ("fitted in (s)", 1.0, 1),
+}
+"""Figure: heading, unit, decimals."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """seeds: of data, people held out and networks alike. episodes: held out, a state and seed."""
+
+    seeds: tuple[int, ...] = (0, 1, 2)
+    episodes: int = 12
+    out: Path = Path("models/mapper/README.md")
+
+
+def report(config: Report) -> None:
+    """Make the rows and put their table into the file."""
+    rows: list[dict[str, Any]] = []
+    for seed in config.seeds:
+        rows += run_pairs(episodes=config.episodes, seed=seed)["rows"]
+    text = config.out.read_text()
+    if BEGIN not in text or END not in text:
+        raise StudioError(f"{config.out} has no place for the table: {BEGIN} … {END}")
+    marked = re.compile(f"{re.escape(BEGIN)}.*{re.escape(END)}", re.DOTALL)
+    config.out.write_text(marked.sub(f"{BEGIN}\n{table(rows)}\n{END}", text))
+
+
+def table(rows: Sequence[dict[str, Any]]) -> str:
+    """Markdown: a line per state and case, mean over seeds, ± half the spread of the joints'."""
+    seeds = sorted({row["seed"] for row in rows})
+    commits = ", ".join(sorted({str(row["commit"]) for row in rows}))
+    said = f"Seeds {', '.join(map(str, seeds))}; commit {commits}; mean over seeds, for the joints"
+    lines = [
+        f"{said} ± half the range.",
+        "",
+        "| state | method | pairs | " + " | ".join(name for name, _, _ in COLUMNS.values()) + " |",
+        "|" + "---|" * (3 + len(COLUMNS)),
+    ]
+    for state, case in dict.fromkeys((row["state"], row["case"]) for row in rows):
+        those = [row for row in rows if (row["state"], row["case"]) == (state, case)]
+        cells = []
+        for key, (_, unit, digits) in COLUMNS.items():
+            values = unit * np.array([row[key] for row in those])
+            spread = f" ± {np.ptp(values) / 2:.1f}" if key == "joint_rmse_deg" else ""
+            cells.append(f"{values.mean():.{digits}f}{spread}")
+        pairs = f"{round(np.mean([row['pairs'] for row in those])):,}"
+        lines.append(f"| {state} | {_method(case)} | {pairs} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def _method(case: str) -> str:
+    name, _, more = case.partition(", ")
+    name = name.replace("_", " ")
+    if more.endswith("pairs"):
+        return name
+    return f"shipped {name}" + (f", {more}" if more else "")
+
+
+if __name__ == "__main__":
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    report(tyro.cli(Report))
