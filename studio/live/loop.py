@@ -8,28 +8,14 @@ from collections import deque
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-import numpy as np
-
 from studio.errors import StudioError
 from studio.live import commands as c
 from studio.live.clock import Clock, Metronome, WallClock
-from studio.live.collecting import draw_slots
 from studio.live.mailbox import BoundedQueue, Latest
-from studio.live.mappers import open_mapper
-from studio.live.session import (
-    DrawnMore,
-    DrawnPlan,
-    OpenedCollect,
-    Session,
-    SessionConfig,
-    follower_for,
-    open_for,
-    open_replay,
-    open_take,
-)
+from studio.live.opened import SessionConfig, prepared
+from studio.live.session import Session
 from studio.live.state import state_dict
 from studio.recording.tick import Tick
-from studio.robot.a1 import CONTROL_DT
 
 log = logging.getLogger(__name__)
 
@@ -83,7 +69,7 @@ class LiveLoop:
         What takes long (opening a source, reading a take) happens here, on the caller's thread.
         """
         try:
-            command = self._prepared(command)
+            command = prepared(self.session, command)
         except StudioError as error:
             return c.Result(ok=False, why=str(error), state=self.state_dict())
         request = _Request(command=command)
@@ -201,32 +187,6 @@ class LiveLoop:
             log.exception("command %s failed", command)
             return c.Result(ok=False, why=f"{type(command).__name__} failed: {error}")
 
-    def _prepared(self, command: Any) -> Any:
-        if isinstance(command, c.SetSource):
-            return open_for(self.config, command.spec)
-        if isinstance(command, c.ShowTake):
-            return open_take(self.config, command)
-        if isinstance(command, c.SetPlan):
-            return DrawnPlan(
-                plan=command.plan, slots=draw_slots(command.plan.items, command.plan.seed)
-            )
-        if isinstance(command, c.AddToPlan):
-            machine = self.session.collector.machine
-            drawn = len(machine.slots)
-            return DrawnMore(slots=draw_slots(command.items, machine.plan.seed, drawn))
-        if isinstance(command, c.SetMapper):
-            return open_mapper(
-                self.config.sessions, self.config.puppeteer, self.session.mappers, command
-            )
-        if isinstance(command, c.SetMode) and command.mode == "collect":
-            return OpenedCollect(operator=follower_for(self.config, self.session.source))
-        if isinstance(command, c.SetMode) and command.mode == "replay":
-            kind, _, name = self.session.source.name.partition(":")
-            take = name if kind == "take" else self.session.last_take
-            if take:
-                return open_replay(self.config, take)
-        return command
-
     def _with_loop_counters(self, tick: Tick) -> Tick:
         counters = dict(tick.counters)
         counters["rejected"] += self._refused
@@ -242,15 +202,3 @@ class LiveLoop:
         for request in self._stops.drain() + self._requests.drain():
             request.result = c.Result(ok=False, why="the studio is closing")
             request.done.set()
-
-
-def period_error(errors_ms: deque[float]) -> dict[str, float]:
-    """p50, p99 and max, ms, of the periods' distance from their deadlines."""
-    if not errors_ms:
-        return {"p50": 0.0, "p99": 0.0, "max": 0.0}
-    values = np.array(errors_ms)
-    p50, p99 = np.percentile(values, [50, 99])
-    return {"p50": float(p50), "p99": float(p99), "max": float(values.max())}
-
-
-__all__ = ["CONTROL_DT", "LiveLoop", "period_error"]

@@ -18,7 +18,7 @@ import uvicorn
 
 from studio.errors import StudioError
 from studio.live.loop import LiveLoop
-from studio.live.session import SessionConfig
+from studio.live.opened import SessionConfig
 from studio.puppeteer import PuppeteerConfig
 from studio.web.access import AccessConfig, page_url
 from studio.web.desk import ControlDesk

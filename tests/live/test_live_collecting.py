@@ -10,7 +10,8 @@ from studio.live import commands as c
 from studio.live.clock import FakeClock
 from studio.live.collect import CollectPlan
 from studio.live.loop import LiveLoop
-from studio.live.session import Session, SessionConfig
+from studio.live.opened import SessionConfig
+from studio.live.session import Session
 from studio.live.shown import PlanItem
 from studio.recording.alignment import find_lag, human_channels, robot_channels
 from studio.recording.library import SessionLibrary

@@ -10,7 +10,8 @@ from studio.human.pose import HumanPose
 from studio.live import commands as c
 from studio.live.clock import FakeClock, WallClock
 from studio.live.loop import LiveLoop
-from studio.live.session import OpenedSource, Session, SessionConfig, open_for
+from studio.live.opened import OpenedSource, SessionConfig, open_for
+from studio.live.session import Session
 from studio.mocap import SourceEnded
 from studio.mocap.operator import OperatorSource
 from studio.robot import a1

@@ -11,7 +11,8 @@ from studio.live import commands as c
 from studio.live.clock import FakeClock
 from studio.live.collect import CollectPlan
 from studio.live.loop import LiveLoop
-from studio.live.session import Session, SessionConfig
+from studio.live.opened import SessionConfig
+from studio.live.session import Session
 from studio.live.shown import PlanItem
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, read_experts

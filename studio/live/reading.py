@@ -1,0 +1,60 @@
+"""A source of human motion played along the loop's clock: what is seen now, when, to its end."""
+
+import logging
+
+from studio.human.pose import HumanPose
+from studio.mocap import Source, SourceEnded
+
+log = logging.getLogger(__name__)
+
+
+class Reading:
+    """Remembers when the source began. Only the loop's thread calls it.
+
+    human_at: s on the loop's clock of the last pose. ended: nothing more will come.
+    """
+
+    def __init__(self, source: Source) -> None:
+        self.source = source
+        self.human_at: float | None = None
+        self.ended = False
+        self._from: float | None = None  # the loop's time at the source's start
+        self._refused = 0  # by sources that were since closed
+
+    def use(self, source: Source, now: float, played: float = 0.0) -> None:
+        """Another source, which began `played` s ago."""
+        self.source, self._from = source, now - played
+        self.human_at, self.ended = None, False
+
+    def played(self, now: float) -> float:
+        """s since the source began."""
+        return 0.0 if self._from is None else now - self._from
+
+    def close(self) -> None:
+        """Free the source; what it refused stays counted."""
+        self._refused += self.source.rejected
+        self.source.close()
+
+    @property
+    def rejected(self) -> int:
+        """Frames refused by this source and those before it."""
+        return self.source.rejected + self._refused
+
+    def read(self, now: float) -> HumanPose | None:
+        """What is new by `now`, if anything. A source that fails has ended, never raised."""
+        if self._from is None:
+            self._from = now
+        if self.ended:
+            return None
+        try:
+            human = self.source.read(now - self._from)
+        except SourceEnded:
+            self.ended = True
+            return None
+        except Exception:
+            log.exception("the source failed; the robot stands")
+            self.ended = True
+            return None
+        if human is not None:
+            self.human_at = now
+        return human
