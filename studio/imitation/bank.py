@@ -4,14 +4,16 @@ import hashlib
 import json
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio import spatial
 from studio.errors import StudioError
+from studio.imitation.crossing import crossing, crossing_names, rests_on_legs
 from studio.imitation.curriculum import DIFFICULTIES, Stage
 from studio.imitation.observation import heading_of, level_quat, reference_frame
 from studio.reference.intent import StateName
@@ -19,6 +21,8 @@ from studio.reference.motion import ReferenceMotion, backward_difference
 from studio.robot import kinematics
 
 log = logging.getLogger(__name__)
+DRAWN_BY = ("bank", "controller", "crossing", "transition")
+"""This room's files that a bank's motions depend on."""
 Array = NDArray[np.float64]
 
 
@@ -28,6 +32,7 @@ class MotionBank:
 
     feet: (M, T, 4, 3) m, base-relative in the levelled heading frame. feature: (M, T, 18), p̄.
     yaw: (M, T) rad heading of the levelled trunk. task: (M,) index into `tasks`; difficulty: (M,).
+    leg_contact: some motion rests on calves or thighs.
     """
 
     state: StateName
@@ -44,6 +49,7 @@ class MotionBank:
     yaw: Array
     task: NDArray[np.intp]
     difficulty: Array
+    leg_contact: bool = False
 
     def __len__(self) -> int:
         return len(self.task)
@@ -123,6 +129,7 @@ def assemble(
         yaw=yaw,
         task=np.array([list(tasks).index(m.task) for m in motions]),
         difficulty=np.asarray(difficulty, dtype=np.float64),
+        leg_contact=state == "sit",
     )
 
 
@@ -137,7 +144,8 @@ def _library_digest() -> str:
     """Changes whenever the code that makes reference motions does."""
     studio = Path(kinematics.__file__).resolve().parents[1]
     files = sorted((studio / "reference").rglob("*.py"))
-    files += [Path(__file__), Path(kinematics.__file__), studio / "robot" / "a1.py"]
+    files += sorted(f for f in Path(__file__).parent.glob("*.py") if f.stem in DRAWN_BY)
+    files += [Path(kinematics.__file__), studio / "robot" / "a1.py"]
     return hashlib.sha256(b"".join(f.read_bytes() for f in files)).hexdigest()
 
 
@@ -149,36 +157,41 @@ def build_bank(
     seed: int = 0,
     difficulties: Sequence[float] = DIFFICULTIES,
     time_warp: float = 0.15,
+    crossings: int = 0,
     cache: Path | None = None,
 ) -> MotionBank:
     """`per_task` motions of every task of a state at each difficulty, time-warped by ± a share.
 
-    Deterministic in its arguments. cache: folder to keep the arrays in (they take some time to
-    draw; changed arguments or code make new ones).
+    crossings: as many motions out of each other state, at each difficulty. Deterministic in its
+    arguments. cache: folder to keep the arrays in (they take some time to draw; changed arguments
+    or code make new ones).
     """
-    from studio.reference.library import TASKS
-    from studio.reference.realize import realize
-
     names = task_names(state)
+    ways = crossing_names(state) if crossings else ()
     key = json.dumps(
         [_library_digest(), state, names, per_task, seconds, seed, list(difficulties), time_warp]
+        + [crossings]
     )
     digest = hashlib.sha256(key.encode()).hexdigest()[:16]
     file = cache / f"bank-{state}-{digest}.npz" if cache else None
     if file and file.exists():
         with np.load(file) as saved:
-            return MotionBank(state=state, tasks=names, **{k: saved[k] for k in saved.files})
+            arrays = {k: saved[k] for k in saved.files}
+            legs = rests_on_legs(state) if crossings else state == "sit"
+            return MotionBank(state=state, tasks=names + ways, leg_contact=legs, **arrays)
     frames = round(seconds * 30.0) + 1
     motions, hardness = [], []
-    for name in names:
+    for index, name in enumerate(names + ways):
         for level in difficulties:
-            rng = np.random.default_rng([seed, names.index(name), round(1000 * level)])
-            for _ in range(per_task):
+            rng = np.random.default_rng([seed, index, round(1000 * level)])
+            for _ in range(per_task if name in names else crossings):
                 rate = rng.uniform(1.0 - time_warp, 1.0 + time_warp)
-                track = TASKS[name].sample(rng, seconds * (1.0 + time_warp) + 0.2, difficulty=level)
-                motions.append(warp(realize(track), rate, frames))
+                length = seconds * (1.0 + time_warp) + 0.2
+                motions.append(warp(_motion(name, state, rng, length, level), rate, frames))
                 hardness.append(level)
-    bank = assemble(state, names, motions, hardness)
+    bank = assemble(state, names + ways, motions, hardness)
+    if crossings:
+        bank = replace(bank, leg_contact=rests_on_legs(state))
     if file:
         file.parent.mkdir(parents=True, exist_ok=True)
         arrays = {f.name: getattr(bank, f.name) for f in fields(bank)}
@@ -188,3 +201,51 @@ def build_bank(
         scratch.rename(file)
     log.info("bank %s: %d motions of %d frames", state, len(bank), frames)
     return bank
+
+
+def _motion(
+    name: str, state: StateName, rng: np.random.Generator, seconds: float, difficulty: float
+) -> ReferenceMotion:
+    """One motion of a library task, or of a crossing into the state."""
+    from studio.reference.library import TASKS
+    from studio.reference.realize import realize
+
+    if name in TASKS:
+        return realize(TASKS[name].sample(rng, seconds, difficulty=difficulty))
+    source = cast(StateName, name.removeprefix("from_"))
+    return crossing(source, state, rng, seconds, difficulty)
+
+
+def relevelled(bank: MotionBank, state: StateName) -> MotionBank:
+    """The same motions with tilts and headings about the neutral trunk of another state."""
+    level = np.array(level_quat(state))
+    yaw = heading_of(bank.base_quat, level)
+    return replace(
+        bank,
+        state=state,
+        yaw=yaw,
+        feet=heading_feet(bank.joint_pos, bank.base_quat, yaw),
+        feature=reference_frame(
+            bank.joint_pos,
+            bank.base_pos[..., 2],
+            bank.base_quat,
+            bank.lin_vel_w,
+            bank.ang_vel_b,
+            level,
+        ),
+    )
+
+
+def merged(banks: Sequence[MotionBank], state: StateName = "stand") -> MotionBank:
+    """One bank of several states' motions, levelled as `state`: for one policy of them all."""
+    banks = [relevelled(bank, state) for bank in banks]
+    tasks = tuple(name for bank in banks for name in bank.tasks)
+    offsets = np.cumsum([0] + [len(bank.tasks) for bank in banks])
+    arrays = {
+        f.name: np.concatenate([getattr(bank, f.name) for bank in banks])
+        for f in fields(MotionBank)
+        if isinstance(getattr(banks[0], f.name), np.ndarray)
+    }
+    arrays["task"] = np.concatenate([b.task + o for b, o in zip(banks, offsets[:-1], strict=True)])
+    legs = any(bank.leg_contact for bank in banks)
+    return MotionBank(state=state, tasks=tasks, leg_contact=legs, **arrays)

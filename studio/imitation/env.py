@@ -13,6 +13,7 @@ from studio.imitation.bank import MotionBank, heading_feet
 from studio.imitation.curriculum import Curriculum, stages
 from studio.imitation.noise import NoiseConfig, ReferenceNoise
 from studio.imitation.observation import (
+    Foresee,
     History,
     ObservationConfig,
     heading_of,
@@ -37,8 +38,9 @@ SELF_CHECK_EVERY = 15
 class EnvConfig:
     """One environment's settings, saved beside the weights trained in it.
 
-    anchor_tau: s, leak of the re-anchored root. push: m/s, largest kick, at full randomisation,
-    and push_every its mean interval in s. noise_scale: of reference noise. evaluation: motions in
+    anchor_tau, anchor_yaw_tau: s, leak of the re-anchored root's place and heading. leg_contact:
+    calves and thighs touch the floor, None for where the bank needs it. push: m/s, largest kick, at
+    full randomisation, and push_every its mean interval in s. noise_scale: of reference noise. evaluation: motions in
     order from their first frame, no kicks, and nobody begins anew: whatever a controller does, it
     meets the same references, dynamics and noise.
     """
@@ -51,6 +53,8 @@ class EnvConfig:
     noise: NoiseConfig = field(default_factory=NoiseConfig)
     noise_scale: float = 1.0
     anchor_tau: float = 0.5
+    anchor_yaw_tau: float = 0.5
+    leg_contact: bool | None = None
     push: float = 0.4
     push_every: float = 4.0
     init_joint_noise: float = 0.03
@@ -69,18 +73,21 @@ class ImitationEnv:
         bank: MotionBank,
         seed: int = 0,
         curriculum: Curriculum | None = None,
+        foresee: Foresee | None = None,
     ) -> None:
         n = config.num_envs
         self.config, self.bank, self.num_envs = config, bank, n
+        self.foresee = foresee
         self.rng = np.random.default_rng(seed)
+        legs = bank.leg_contact if config.leg_contact is None else config.leg_contact
         self.world = BatchWorld(
-            BatchConfig(num_envs=n, threads=config.threads, leg_contact=bank.state == "sit"),
+            BatchConfig(num_envs=n, threads=config.threads, leg_contact=legs),
             seed=int(self.rng.integers(2**31)),
         )
         self.curriculum = curriculum or Curriculum(ladder=stages(bank.tasks))
         self.level = np.array(level_quat(bank.state))
         self.neutral = neutral_joints(bank)
-        self.history = History(n, config.observation)
+        self.history = History(n, config.observation, foresee)
         self.noise = ReferenceNoise(n, config.noise, self.rng)
         self.lowpass = LowPass(config.action.cutoff_hz)
         self.lowpass.reset(np.zeros((n, 12)))
@@ -103,7 +110,7 @@ class ImitationEnv:
     def reset(self) -> NDArray[np.float32]:
         """Every robot at a random frame of a random motion; observations (N, dim)."""
         self._reset(np.arange(self.num_envs))
-        return self.history.observation()
+        return self.observation()
 
     def restart(self) -> None:
         """Begin everything anew under the curriculum as it stands now (after a resume)."""
@@ -139,7 +146,7 @@ class ImitationEnv:
         late = np.flatnonzero(truncated)
         if len(late):
             extras["final_ids"] = late
-            extras["final_observation"] = self.history.observation()[late]
+            extras["final_observation"] = self.observation()[late]
             extras["final_privileged"] = self.privileged()[late]
         done = np.flatnonzero(terminated | truncated)
         if len(done) and not self.config.evaluation:
@@ -150,7 +157,16 @@ class ImitationEnv:
             if extras["stage_changed"]:
                 self._choices = self.bank.choices(self.curriculum.stage)
             self._reset(done)
-        return self.history.observation(), rewards, terminated, truncated, extras
+        return self.observation(), rewards, terminated, truncated, extras
+
+    def observation(self) -> NDArray[np.float32]:
+        """(N, dim): what the policy sees now."""
+        future = None
+        if self.config.observation.future_kind == "true" and self.config.observation.future:
+            ahead = self.frame[:, None] + np.array(self.config.observation.future)
+            ahead = np.minimum(ahead, self.bank.frames - 1)
+            future = self.bank.feature[self.motion[:, None], ahead].reshape(self.num_envs, -1)
+        return self.history.observation(future)
 
     def privileged(self) -> NDArray[np.float32]:
         """(N, PRIVILEGED_DIM): what only a critic may know."""
@@ -283,8 +299,8 @@ class ImitationEnv:
     def _measure(self) -> Array:
         """Terms, metrics and reward of the period that just passed, against the clean reference.
 
-        Afterwards the anchor leaks towards the robot: x, y and yaw with the time constant
-        anchor_tau, because no sensor of the policy knows them.
+        Afterwards the anchor leaks towards the robot, because no sensor of the policy knows its
+        x, y and yaw for long.
         """
         w, bank, k = self.world, self.bank, self.config.reward
         m, f = self.motion, self.frame
@@ -331,6 +347,7 @@ class ImitationEnv:
         }
         leak = a1.CONTROL_DT / self.config.anchor_tau
         self.anchor_pos = self.anchor_pos + leak * (w.base_pos[:, :2] - self.anchor_pos)
+        leak = a1.CONTROL_DT / self.config.anchor_yaw_tau
         self.anchor_yaw = self.anchor_yaw + leak * spatial.wrap_angle(yaw - self.anchor_yaw)
         return reward.total(self.terms, k)
 

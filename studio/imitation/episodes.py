@@ -44,7 +44,7 @@ def policy_of(policy: Policy) -> Act:
     """The network on the environment's own observations: the training path."""
 
     def act(env: ImitationEnv) -> Command:
-        action = policy.network(env.history.observation())
+        action = policy.network(env.observation())
         return Command(action=action.astype(np.float64))
 
     return act

@@ -5,22 +5,34 @@ first. z: 12 joint angles, roll, pitch, their rates and, by default, the gyro's 
 joint angles, base height, roll, pitch, yaw rate, planar velocity in the reference's heading frame.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio import spatial
+from studio.errors import StudioError
 from studio.reference.intent import StateName
+from studio.robot import a1
 
 Array = NDArray[np.float64]
+Foresee = Callable[[Array], Array]
 
 FRAMES = 4
 """Frames of z and of the reference in an observation."""
 PAST_ACTIONS = 3
+MEMORY = 15
+"""Frames of the reference, half a second, from which its future is foreseen."""
 ACTION_DIM = 12
 REFERENCE_DIM = 18
+YAW_RATE, GYRO_YAW = 15, 16
+"""Places of the yaw rate in p̄ and in z."""
+HEADING_CLIP = 0.35
+"""rad; a larger error (a robot turned by hand, a fall) is not made up for."""
+FutureKind = Literal["predicted", "true"]
 
 
 @cache
@@ -122,9 +134,24 @@ def reference_frame(
 
 @dataclass(frozen=True, kw_only=True)
 class ObservationConfig:
-    """What the policy sees. yaw_rate: add the gyro's yaw rate to z (the paper: no)."""
+    """What the policy sees.
+
+    yaw_rate: add the gyro's yaw rate to z (the paper: no). heading_gain: 1/s, how much of the
+    heading error (see `History`) is added to the reference's yaw rate, 0 for none; heading_tau: s
+    in which an error is forgotten. future: control periods ahead of which p̄ is appended, foreseen
+    from the past ("predicted") or given away ("true", which only a simulation can).
+    """
 
     yaw_rate: bool = True
+    heading_gain: float = 0.0
+    heading_tau: float = 5.0
+    future: tuple[int, ...] = ()
+    future_kind: FutureKind = "predicted"
+
+    def __post_init__(self) -> None:
+        if self.heading_gain and not self.yaw_rate:
+            raise StudioError("holding the heading needs the gyro's yaw rate: leave yaw_rate on")
+        object.__setattr__(self, "future", tuple(self.future))  # a list, from JSON
 
     @property
     def sensor_dim(self) -> int:
@@ -134,47 +161,90 @@ class ObservationConfig:
     @property
     def dim(self) -> int:
         """Length of an observation."""
-        return FRAMES * (self.sensor_dim + REFERENCE_DIM) + PAST_ACTIONS * ACTION_DIM
+        past = FRAMES * (self.sensor_dim + REFERENCE_DIM) + PAST_ACTIONS * ACTION_DIM
+        return past + REFERENCE_DIM * len(self.future)
 
     def manifest(self) -> list[dict[str, object]]:
         """Name, frames and length of each block in order, for whoever runs the policy alone."""
         z = "joint_pos[12] roll pitch roll_rate pitch_rate" + (" yaw_rate" if self.yaw_rate else "")
         p = "joint_pos[12] base_height roll pitch yaw_rate vel_forward vel_left"
-        return [
+        if self.heading_gain:
+            p += " (yaw_rate += heading_gain * heading error)"
+        blocks: list[dict[str, object]] = [
             {"name": "z", "frames": "t-3..t", "fields": z, "size": FRAMES * self.sensor_dim},
             {"name": "a", "frames": "t-3..t-1", "fields": "action[12]", "size": 36},
             {"name": "p_ref", "frames": "t-3..t", "fields": p, "size": FRAMES * REFERENCE_DIM},
         ]
+        if self.future:
+            frames = ", ".join(f"t+{k}" for k in self.future)
+            size = REFERENCE_DIM * len(self.future)
+            blocks.append({"name": self.future_kind, "frames": frames, "fields": p, "size": size})
+        return blocks
 
 
 class History:
-    """The last frames of N robots; one thread only."""
+    """The last frames of N robots; one thread only.
 
-    def __init__(self, num_envs: int, config: ObservationConfig) -> None:
+    With a heading gain g the reference's yaw rate ψ̄' enters as ψ̄' + g e, where e is how much less
+    the robot has turned than it was asked to, by the gyro alone, forgotten with a time constant τ:
+
+        e ← (1 − Δt/τ) (e + (ψ̄' − ω_z) Δt),  |e| ≤ HEADING_CLIP
+
+    foresee: (N, MEMORY, 18) past references, newest last → (N, 18 · len(future)), where the
+    configuration asks for a predicted future.
+    """
+
+    def __init__(
+        self, num_envs: int, config: ObservationConfig, foresee: Foresee | None = None
+    ) -> None:
+        self.config = config
         self.z = np.zeros((num_envs, FRAMES, config.sensor_dim))
         self.actions = np.zeros((num_envs, PAST_ACTIONS, ACTION_DIM))
-        self.reference = np.zeros((num_envs, FRAMES, REFERENCE_DIM))
+        predicted = bool(config.future) and config.future_kind == "predicted"
+        if predicted and foresee is None:
+            raise StudioError("this policy foresees its reference: give its predictor")
+        self._foresee = foresee if predicted else None
+        self._past = np.zeros((num_envs, MEMORY if predicted else FRAMES, REFERENCE_DIM))
+        self.heading_error = np.zeros(num_envs)
+
+    @property
+    def reference(self) -> Array:
+        """(N, FRAMES, 18), oldest first."""
+        return self._past[:, -FRAMES:]
 
     def reset(self, ids: NDArray[np.intp] | slice, z: Array, reference: Array) -> None:
         """Fill the history of `ids` with one frame and no action."""
         self.z[ids] = z[:, None]
-        self.reference[ids] = reference[:, None]
+        self._past[ids] = reference[:, None]
         self.actions[ids] = 0.0
+        self.heading_error[ids] = 0.0
 
     def push(self, z: Array, reference: Array) -> None:
         """A new frame of every robot."""
         self.z[:, :-1] = self.z[:, 1:]
         self.z[:, -1] = z
-        self.reference[:, :-1] = self.reference[:, 1:]
-        self.reference[:, -1] = reference
+        self._past[:, :-1] = self._past[:, 1:]
+        self._past[:, -1] = reference
+        gain, tau = self.config.heading_gain, self.config.heading_tau
+        if gain:
+            missed = (reference[:, YAW_RATE] - z[:, GYRO_YAW]) * a1.CONTROL_DT
+            error = (1.0 - a1.CONTROL_DT / tau) * (self.heading_error + missed)
+            self.heading_error = np.minimum(np.maximum(error, -HEADING_CLIP), HEADING_CLIP)
+            self._past[:, -1, YAW_RATE] += gain * self.heading_error
 
     def push_action(self, action: Array) -> None:
         """The action (N, 12) decided on the present observation."""
         self.actions[:, :-1] = self.actions[:, 1:]
         self.actions[:, -1] = action
 
-    def observation(self) -> NDArray[np.float32]:
-        """o_t (N, dim) float32."""
+    def observation(self, future: Array | None = None) -> NDArray[np.float32]:
+        """o_t (N, dim) float32; future: (N, 18 · len(future)), where the true one is asked for."""
         n = len(self.z)
-        parts = [self.z.reshape(n, -1), self.actions.reshape(n, -1), self.reference.reshape(n, -1)]
+        past = self.reference
+        parts = [self.z.reshape(n, -1), self.actions.reshape(n, -1), past.reshape(n, -1)]
+        if self._foresee is not None:
+            future = self._foresee(self._past)
+        if self.config.future:
+            assert future is not None
+            parts.append(future)
         return np.concatenate(parts, axis=1, dtype=np.float32)

@@ -14,6 +14,7 @@ from studio.carried import carried
 from studio.errors import StudioError
 from studio.imitation import frames
 from studio.imitation.action import ActionConfig, clip_action, pd_target
+from studio.imitation.foresight import Foresight
 from studio.imitation.observation import History, ObservationConfig
 from studio.reference import scalars
 from studio.reference.intent import STATES
@@ -51,7 +52,8 @@ class Policy:
         self.action_config = ActionConfig(**manifest["action"])
         self._level = scalars.rows(manifest["level_quat"])
         self.neutral = np.array(manifest["neutral_joint_pos"])
-        self.history = History(1, self.observation)
+        self.foresee = Foresight.of(tensors)
+        self.history = History(1, self.observation, self.foresee)
         self._begun = False
 
     @classmethod
@@ -88,6 +90,8 @@ class Policy:
         Exactly what the environment does in training: the reference and the robot enter the
         history, the network acts on it, its output is remembered and added to the reference.
         """
+        if self.observation.future and self.observation.future_kind == "true":
+            raise StudioError("this policy needs the true future: only `evaluate` can give it that")
         z, p = self._frames(reference, robot)
         if self._begun:
             self.history.push(z, p)

@@ -30,7 +30,8 @@ def observation_mirror(config: ObservationConfig) -> tuple[NDArray[np.intp], Arr
     # z: roll, pitch, roll rate, pitch rate (, yaw rate); p̄: height, roll, pitch, yaw rate, v_x, v_y
     z = _repeat(*_block([-1.0, 1.0, -1.0, 1.0] + ([-1.0] if config.yaw_rate else [])), FRAMES)
     a = _repeat(*_block([]), PAST_ACTIONS)
-    p = _repeat(*_block([1.0, -1.0, 1.0, -1.0, 1.0, -1.0]), FRAMES)
+    frames = FRAMES + len(config.future)
+    p = _repeat(*_block([1.0, -1.0, 1.0, -1.0, 1.0, -1.0]), frames)
     index, offset = [], 0
     for part, _ in (z, a, p):
         index.append(part + offset)

@@ -24,6 +24,8 @@ class BatchConfig:
     """num_envs: simulations. threads: 0 for every core. decimation: physics steps a period.
 
     self_collision, leg_contact: as in sim.spec; both cost time, and only sitting needs the legs.
+    free_speed, rad/s, speed_slope, N m s/rad: the motors' torque-speed curve, as in sim.world;
+    motor_every: physics steps between two looks at it.
     """
 
     num_envs: int = 512
@@ -31,6 +33,9 @@ class BatchConfig:
     decimation: int = 8
     self_collision: bool = False
     leg_contact: bool = False
+    free_speed: float = 19.0
+    speed_slope: float = 3.0
+    motor_every: int = 1
 
 
 def delayed_controls(previous: Array, target: Array, delay: Array, dt: float, steps: int) -> Array:
@@ -62,6 +67,8 @@ class BatchWorld:
         self._bias = self._batch.expand("actuator_biasprm")
         self._gravity = self._batch.expand("opt.gravity")
         self._timestep = self._batch.expand("opt.timestep")
+        self._torque_range = self._batch.expand("actuator_forcerange")
+        self._slowed = np.zeros(n, dtype=bool)
         self.qpos = self._batch.bind("qpos")
         self.qvel = self._batch.bind("qvel")
         self.torque = self._batch.bind("actuator_force")
@@ -155,8 +162,30 @@ class BatchWorld:
         jitter = 1.0 + self._period * self.rng.uniform(-1.0, 1.0, len(self._period))
         self._timestep[...] = (self.dt * jitter).reshape(self._timestep.shape)
         controls = delayed_controls(self.target, target, self.delay, self.dt, steps)
-        self._batch.rollout(steps, controls, int(mujoco.mjtState.mjSTATE_CTRL), record=())
+        for k in range(0, steps, self.config.motor_every):
+            self._limit_torque()
+            part = np.ascontiguousarray(controls[:, k : k + self.config.motor_every])
+            self._batch.rollout(part.shape[1], part, int(mujoco.mjtState.mjSTATE_CTRL), record=())
         self.target = np.array(target)
+
+    def _limit_torque(self) -> None:
+        """Each motor's torque range at its present speed, held for `motor_every` substeps.
+
+        torque ≤ slope (free speed − q̇) forwards and the same backwards: beyond the free speed a
+        motor brakes. Only robots with a joint fast enough are touched; most never are.
+        """
+        c, limit = self.config, a1.TORQUE_LIMIT
+        fast = np.abs(self.joint_vel).max(axis=-1) > c.free_speed - limit.min() / c.speed_slope
+        ids = np.flatnonzero(fast | self._slowed)
+        self._slowed = fast
+        if len(ids):
+            speed = self.joint_vel[ids]
+            self._torque_range[ids, :, 0] = np.clip(
+                -c.speed_slope * (c.free_speed + speed), -limit, limit
+            )
+            self._torque_range[ids, :, 1] = np.clip(
+                c.speed_slope * (c.free_speed - speed), -limit, limit
+            )
 
 
 def training_model(config: BatchConfig, dt: float) -> mujoco.MjModel:

@@ -56,7 +56,7 @@ class Distiller:
         """Act, ask, learn; progress in [0, 1] of all lessons. Mean error and tracking figures."""
         observations, answers = [], []
         sums = {"joint_sq": 0.0, "foot_error": 0.0, "tilt_error": 0.0, "tracked": 0.0}
-        observation = self.env.history.observation()
+        observation = self.env.observation()
         for _ in range(self.config.horizon):
             answer = teacher_action(self.env, self.config.teacher)
             observations.append(observation)

@@ -1,6 +1,6 @@
 """References of one state → a policy that tracks them: PPO over the vectorised environment.
 
-Reads top to bottom: settings, the environment as rsl-rl sees it, one iteration, the run.
+Reads top to bottom: one iteration, what is kept, the run. Its settings are `policy_settings`.
 """
 
 import json
@@ -8,113 +8,26 @@ import logging
 import subprocess
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Any, cast
 
 import numpy as np
 import torch
 
-from studio.errors import StudioError, unknown_name
-from studio.imitation.action import ActionConfig, ActionMode
-from studio.imitation.bank import build_bank
-from studio.imitation.curriculum import Curriculum, stages
-from studio.imitation.env import EnvConfig, ImitationEnv
-from studio.imitation.observation import ObservationConfig, level_quat
+from studio.errors import StudioError
+from studio.imitation.env import ImitationEnv
+from studio.imitation.foresight import Foresight
+from studio.imitation.observation import level_quat
 from studio.imitation.policy import MODELS, manifest_of, save_policy
-from studio.reference.intent import STATES, StateName
 from studio.training import checkpoint
 from studio.training.distil import Distiller
-from studio.training.ppo import PAPER, PpoConfig, TorchEnv, collect, make_algorithm
+from studio.training.policy_settings import PolicyTraining, algorithm_of, make_environment
+from studio.training.ppo import TorchEnv, collect, make_algorithm
 
 log = logging.getLogger(__name__)
-Preset = Literal["default", "paper"]
-
-
 TAUGHT_STD = 0.1
 """Exploration, in units of action, with which PPO goes on after a teacher (0.025 rad)."""
-DISTIL: dict[StateName, int] = {"stand": 800_000, "walk": 800_000, "sit": 0}
-"""Samples taught by default. Sitting, the teacher itself falls on slopes (success .88 against .99
-of PPO's policy): it has no sense of balance, and four feet need none."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PolicyTraining:
-    """`a1-studio train policy`.
-
-    state: which expert. samples: control steps in all, over every environment and every resumed
-    part. hours: stop earlier, after so long. threads: of physics and learner, 0 for every core.
-    run: folder of checkpoint, curve and TensorBoard files (default runs/policy-STATE). resume: go
-    on from the run's checkpoint, or from `checkpoint`. out: where the weights go (default
-    models/policy/STATE.safetensors when `publish`, always the run's folder). curriculum,
-    randomise, mirror, yaw_rate, action: what the ablations switch. gate, patience: see Curriculum.
-    push: m/s, the largest kick (EnvConfig). distil: samples of a new run that go into learning from
-    the teacher before PPO takes over (None: the state's own; the paper's preset has no teacher).
-    warmup: iterations in which only the critic learns, so that PPO does not spoil what was taught.
-    """
-
-    state: StateName
-    preset: Preset = "default"
-    samples: int = 30_000_000
-    hours: float = 100.0
-    num_envs: int = 256
-    threads: int = 0
-    seed: int = 0
-    run: Path | None = None
-    resume: bool = False
-    checkpoint: Path | None = None
-    publish: bool = False
-    curriculum: bool = True
-    randomise: bool = True
-    yaw_rate: bool = True
-    action: ActionMode = "residual"
-    motions_per_task: int = 40
-    gate: float = 0.75
-    patience: int = 800
-    push: float = 0.4
-    distil: int | None = None
-    warmup: int = 10
-    checkpoint_seconds: float = 60.0
-    ppo: PpoConfig = field(default_factory=PpoConfig)
-
-    def __post_init__(self) -> None:
-        if self.state not in STATES:
-            raise unknown_name("state", self.state, STATES)
-        if self.num_envs < 2 or self.samples < 1:
-            raise StudioError("train policy needs --num-envs of at least 2 and positive --samples")
-
-    @property
-    def lessons(self) -> int:
-        """Samples learnt from the teacher, 0 for none."""
-        if self.distil is not None:
-            return self.distil
-        return DISTIL[self.state] if self.preset == "default" else 0
-
-    @property
-    def folder(self) -> Path:
-        """The run's folder."""
-        return self.run or Path("runs") / f"policy-{self.state}"
-
-
-def make_environment(
-    config: PolicyTraining, cache: Path | None = Path("runs/banks")
-) -> ImitationEnv:
-    """Bank, curriculum and environment of a run."""
-    bank = build_bank(config.state, per_task=config.motions_per_task, seed=config.seed, cache=cache)
-    ladder = stages(bank.tasks)
-    if not config.randomise:
-        ladder = [s for s in ladder if s.randomisation == 0.0]
-    curriculum = Curriculum(ladder=ladder, gate=config.gate, patience=config.patience)
-    if not config.curriculum:
-        curriculum.finish()
-    settings = EnvConfig(
-        num_envs=config.num_envs,
-        threads=config.threads,
-        observation=ObservationConfig(yaw_rate=config.yaw_rate),
-        action=ActionConfig(mode=config.action),
-        push=config.push,
-    )
-    return ImitationEnv(settings, bank, seed=config.seed, curriculum=curriculum)
 
 
 # ── the run ─────────────────────────────────────────────────────────────────────────────────
@@ -126,12 +39,7 @@ class PolicyTrainer:
     def __init__(self, config: PolicyTraining, env: ImitationEnv | None = None) -> None:
         torch.manual_seed(config.seed)
         self.config = config
-        self.ppo = PAPER if config.preset == "paper" else config.ppo
-        if config.lessons:
-            # Lessons are mirrored already. With a taught policy's small spread, PPO's ratio of a
-            # mirrored sample (old probability of the original) is far from 1 however symmetric
-            # the policy nearly is: reward then falls while PPO believes it rises (measured).
-            self.ppo = replace(self.ppo, mirror=False)
+        self.ppo = algorithm_of(config)
         self.env = TorchEnv(env or make_environment(config))
         self.env.env.reset()
         self.alg = make_algorithm(self.env, self.ppo)
@@ -262,7 +170,9 @@ class PolicyTrainer:
         for i, layer in enumerate(linear):
             out[f"weight_{i}"] = layer.weight.detach().numpy()
             out[f"bias_{i}"] = layer.bias.detach().numpy()
-        return {k: np.ascontiguousarray(v, dtype=np.float32) for k, v in out.items()}
+        out = {k: np.ascontiguousarray(v, dtype=np.float32) for k, v in out.items()}
+        foresee = self.env.env.foresee
+        return out | (foresee.tensors() if isinstance(foresee, Foresight) else {})
 
     def manifest(self, **facts: Any) -> dict[str, Any]:
         """The sidecar: how to run the weights, and what they are made of."""
@@ -271,13 +181,15 @@ class PolicyTrainer:
             self.config.state,
             settings.observation,
             settings.action,
-            np.array(level_quat(self.config.state)),
+            np.array(level_quat(self.config.level)),
             self.env.env.neutral,
             samples=self.samples,
             hours=round(self.seconds / 3600.0, 3),
             seed=self.config.seed,
             commit=commit(),
+            recipe=asdict(self.config.made_by),
             tasks=list(self.env.env.bank.tasks),
+            transitions=any(t.startswith("from_") for t in self.env.env.bank.tasks),
             stage=self.env.env.curriculum.level,
             stages=len(self.env.env.curriculum.ladder),
             curve=self.curve,

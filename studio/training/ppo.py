@@ -72,7 +72,7 @@ class TorchEnv:
 
     def present(self) -> TensorDict:
         """What is observed now."""
-        return self.tensors(self.env.history.observation(), self.env.privileged())
+        return self.tensors(self.env.observation(), self.env.privileged())
 
     def mirrored(
         self, env: Any, obs: TensorDict | None, actions: torch.Tensor | None

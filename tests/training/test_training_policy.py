@@ -172,7 +172,7 @@ def test_exported_weights_act_like_the_trained_network(bank: MotionBank, tmp_pat
     path = tmp_path / "sit.safetensors"
     save_policy(path, trained.tensors(), trained.manifest(scores={}))
     policy = Policy.load(path)
-    observation = trained.env.env.history.observation()
+    observation = trained.env.env.observation()
     with torch.inference_mode():
         trained.alg.eval_mode()
         expected = trained.alg.actor(trained.obs).numpy()

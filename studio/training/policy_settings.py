@@ -1,0 +1,189 @@
+"""The settings of `a1-studio train policy` → bank, environment and algorithm of a run."""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal, get_args
+
+import numpy as np
+
+from studio.errors import StudioError, unknown_name
+from studio.imitation import foresight
+from studio.imitation.action import ActionConfig, ActionMode
+from studio.imitation.bank import MotionBank, build_bank, merged
+from studio.imitation.curriculum import Curriculum, stages
+from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.noise import NoiseConfig
+from studio.imitation.observation import FutureKind, ObservationConfig
+from studio.imitation.reward import RewardConfig
+from studio.reference.intent import STATES, StateName
+from studio.training.ppo import PAPER, PpoConfig
+
+Preset = Literal["default", "paper"]
+PolicyName = Literal["stand", "walk", "sit", "all"]
+"""An expert's state, or "all": one monolithic policy of every state."""
+BANKS = Path("runs/banks")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Recipe:
+    """What one expert is trained with unless told otherwise.
+
+    distil: samples learnt from the teacher before PPO. Sitting, the teacher itself falls on slopes
+    (success .88 against .99 of PPO's policy): it has no sense of balance, and four feet need none.
+    heading_gain: 1/s, see `observation.History`; only walking has a heading to keep.
+    anchor_tau, anchor_yaw_tau: s, see EnvConfig. Walking, a speed that is 0.08 m/s short costs 3 %
+    of the reward at 0.5 s, and 25 % at 1.5 s. noise_low: rad, least σ of the reference noise: a
+    policy that has only met noise reads small tilts as noise. root_ori: scale of that reward term.
+    """
+
+    distil: int = 800_000
+    heading_gain: float = 0.0
+    anchor_tau: float = 0.5
+    anchor_yaw_tau: float = 0.5
+    noise_low: float = 0.0
+    root_ori: float = 5.0
+
+
+RECIPES: dict[PolicyName, Recipe] = {
+    "stand": Recipe(),
+    "walk": Recipe(heading_gain=1.0, anchor_tau=1.5, anchor_yaw_tau=5.0),
+    "sit": Recipe(distil=0, root_ori=20.0),
+    "all": Recipe(),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class PolicyTraining:
+    """`a1-studio train policy`.
+
+    state: which expert, or "all" for one monolithic policy. samples: control steps in all, over
+    every environment and every resumed part. hours: stop earlier, after so long. threads: of
+    physics and learner, 0 for every core. run: folder of checkpoint, curve and TensorBoard files
+    (default runs/policy-STATE). resume: go on from the run's checkpoint, or from `checkpoint`.
+    publish: write the weights to models/policy/STATE.safetensors too (always the run's folder).
+    curriculum, randomise, yaw_rate, action, future: what the ablations switch; future: give the
+    policy its reference 0.1, 0.2 and 0.3 s ahead, foreseen or true. crossings: motions out of each
+    other state a difficulty, 0 for none. gate, patience: see Curriculum. push: m/s, the largest
+    kick (EnvConfig). recipe: of the state, None for its own (the paper's preset has no teacher).
+    warmup: iterations in which only the critic learns, so that PPO does not spoil what was taught.
+    """
+
+    state: PolicyName
+    preset: Preset = "default"
+    samples: int = 30_000_000
+    hours: float = 100.0
+    num_envs: int = 256
+    threads: int = 0
+    seed: int = 0
+    run: Path | None = None
+    resume: bool = False
+    checkpoint: Path | None = None
+    publish: bool = False
+    curriculum: bool = True
+    randomise: bool = True
+    yaw_rate: bool = True
+    action: ActionMode = "residual"
+    future: FutureKind | None = None
+    crossings: int = 24
+    motions_per_task: int = 40
+    gate: float = 0.75
+    patience: int = 800
+    push: float = 0.4
+    distil: int | None = None
+    recipe: Recipe | None = None
+    warmup: int = 10
+    checkpoint_seconds: float = 60.0
+    ppo: PpoConfig = field(default_factory=PpoConfig)
+
+    def __post_init__(self) -> None:
+        if self.state not in get_args(PolicyName):
+            raise unknown_name("state", self.state, get_args(PolicyName))
+        if self.num_envs < 2 or self.samples < 1:
+            raise StudioError("train policy needs --num-envs of at least 2 and positive --samples")
+
+    @property
+    def made_by(self) -> Recipe:
+        """The recipe in force."""
+        return self.recipe or RECIPES[self.state]
+
+    @property
+    def lessons(self) -> int:
+        """Samples learnt from the teacher, 0 for none."""
+        if self.distil is not None:
+            return self.distil
+        return self.made_by.distil if self.preset == "default" else 0
+
+    @property
+    def level(self) -> StateName:
+        """The state about whose neutral trunk tilt is measured."""
+        return "stand" if self.state == "all" else self.state
+
+    @property
+    def folder(self) -> Path:
+        """The run's folder."""
+        return self.run or Path("runs") / f"policy-{self.state}"
+
+
+FUTURE_PERIODS = (3, 6, 9)
+
+
+def make_bank(config: PolicyTraining, cache: Path | None = BANKS) -> MotionBank:
+    """The motions of a run."""
+    states = STATES if config.state == "all" else (config.state,)
+    banks = [
+        build_bank(
+            state,
+            per_task=config.motions_per_task,
+            seed=config.seed,
+            crossings=config.crossings,
+            cache=cache,
+        )
+        for state in states
+    ]
+    return banks[0] if len(banks) == 1 else merged(banks, config.level)
+
+
+def make_environment(config: PolicyTraining, cache: Path | None = BANKS) -> ImitationEnv:
+    """Bank, curriculum and environment of a run."""
+    bank, recipe = make_bank(config, cache), config.made_by
+    ladder = stages(bank.tasks)
+    if not config.randomise:
+        ladder = [s for s in ladder if s.randomisation == 0.0]
+    curriculum = Curriculum(ladder=ladder, gate=config.gate, patience=config.patience)
+    if not config.curriculum:
+        curriculum.finish()
+    noise = NoiseConfig()
+    noise = replace(noise, joint_sigma=(recipe.noise_low, noise.joint_sigma[1]))
+    observation = ObservationConfig(
+        yaw_rate=config.yaw_rate,
+        heading_gain=recipe.heading_gain if config.yaw_rate else 0.0,
+        future=FUTURE_PERIODS if config.future else (),
+        future_kind=config.future or "predicted",
+    )
+    settings = EnvConfig(
+        num_envs=config.num_envs,
+        threads=config.threads,
+        observation=observation,
+        action=ActionConfig(mode=config.action),
+        reward=RewardConfig(root_ori=recipe.root_ori),
+        noise=noise,
+        anchor_tau=recipe.anchor_tau,
+        anchor_yaw_tau=recipe.anchor_yaw_tau,
+        push=config.push,
+    )
+    foresee = None
+    if config.future == "predicted":
+        rng = np.random.default_rng([config.seed, 1])
+        foresee = foresight.fit(bank, FUTURE_PERIODS, noise, rng)
+    return ImitationEnv(settings, bank, seed=config.seed, curriculum=curriculum, foresee=foresee)
+
+
+def algorithm_of(config: PolicyTraining) -> PpoConfig:
+    """PPO's figures of a run."""
+    ppo = PAPER if config.preset == "paper" else config.ppo
+    if config.lessons:
+        # Lessons are mirrored already. With a taught policy's small spread, PPO's ratio of a
+        # mirrored sample (old probability of the original) is far from 1 however symmetric
+        # the policy nearly is: reward then falls while PPO believes it rises (measured).
+        ppo = replace(ppo, mirror=False)
+    return ppo
