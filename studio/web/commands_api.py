@@ -1,9 +1,12 @@
 """State and commands over HTTP: one route a command, each answered once the loop applied it."""
 
+from collections.abc import Callable, Coroutine
 from typing import Any
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, HTTPException, Request, Response
+from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from fastapi.routing import APIRoute
 from pydantic import BaseModel, Field
 
 import studio
@@ -23,7 +26,7 @@ from studio.live.commands import (
     SetStateLock,
     Stop,
 )
-from studio.web.hub import Hub, refused
+from studio.web.hub import Hub, misfit, refused
 
 SCENES = ("empty",)
 """Scenes with props come with the composite tasks; until then there is the bare floor."""
@@ -89,9 +92,69 @@ class SeekBody(BaseModel):
     loop: bool | None = None
 
 
+class CommandRoute(APIRoute):
+    """A command that is not applied is answered 409 with `why`, one that does not fit included."""
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """FastAPI's own, with its refusal turned into ours."""
+        handler = super().get_route_handler()
+
+        async def handled(request: Request) -> Response:
+            try:
+                return await handler(request)
+            except RequestValidationError as error:
+                raise refused(misfit(error)) from error
+            except HTTPException as error:
+                if error.status_code != 400:
+                    raise
+                raise refused("the body is no JSON in UTF-8") from error
+
+        return handled
+
+
+Make = Callable[[Any], Command]
+COMMANDS: dict[str, tuple[str, type[BaseModel] | None, Make]] = {
+    "mode": ("Idle, live, replay or collect.", ModeBody, lambda b: SetMode(mode=b.mode)),
+    "state": (
+        "Lock the controller to a state, or let the selector choose (auto).",
+        StateBody,
+        lambda b: SetStateLock(state=b.state),
+    ),
+    "source": ("Where human motion comes from.", SourceBody, lambda b: SetSource(spec=b.source)),
+    "reset": ("Stand up again (at most 3 s); a stop stays latched.", None, lambda _: Reset()),
+    "arm": ("Release a stop and follow the person, with a ramp of 1 s.", None, lambda _: Arm()),
+    "disarm": ("Stop following; the robot goes to a neutral stance.", None, lambda _: Disarm()),
+    "gain": (
+        "A slider: tilt gain, dead zone, speed cap.",
+        GainBody,
+        lambda b: SetGain(name=b.name, value=b.value),
+    ),
+    "controller": (
+        "Which controller turns the reference into an action.",
+        ControllerBody,
+        lambda b: SetController(name=b.controller),
+    ),
+    "mirror": (
+        "Move as in a mirror, or side for side.",
+        MirrorBody,
+        lambda b: SetMirror(mirror=b.mirror),
+    ),
+    "calibrate": (
+        "Measure bone lengths and heading anew from what is seen now.",
+        None,
+        lambda _: Calibrate(),
+    ),
+    "seek": ("Replay: move in the take.", SeekBody, lambda b: Seek(**b.model_dump())),
+}
+"""POST /api/NAME: what it does, the body it takes, and the command that it becomes."""
+
+
 def commands_router(hub: Hub) -> APIRouter:
     """Everything that asks the loop for something, and what it is doing."""
-    router = APIRouter(prefix="/api", tags=["studio"])
+    refusals: dict[int | str, dict[str, Any]] = {
+        409: {"description": "not applied; `why` says why"}
+    }
+    router = APIRouter(prefix="/api", tags=["studio"], route_class=CommandRoute, responses=refusals)
 
     async def answer(command: Command, request: Request) -> dict[str, Any]:
         await hub.apply(command, request)
@@ -109,20 +172,8 @@ def commands_router(hub: Hub) -> APIRouter:
         """What the studio is doing, and why nothing moves if nothing does."""
         return hub.state()
 
-    @router.post("/mode")
-    async def mode(body: ModeBody, request: Request) -> dict[str, Any]:
-        """Idle, live, replay or collect."""
-        return await answer(SetMode(mode=body.mode), request)
-
-    @router.post("/state")
-    async def state_lock(body: StateBody, request: Request) -> dict[str, Any]:
-        """Lock the controller to a state, or let the selector choose (auto)."""
-        return await answer(SetStateLock(state=body.state), request)
-
-    @router.post("/source")
-    async def source(body: SourceBody, request: Request) -> dict[str, Any]:
-        """Where human motion comes from."""
-        return await answer(SetSource(spec=body.source), request)
+    for name, (about, body, make) in COMMANDS.items():
+        router.post(f"/{name}", name=name, description=about)(_route(answer, body, make))
 
     @router.post("/scene")
     async def scene(body: SceneBody) -> dict[str, Any]:
@@ -136,46 +187,6 @@ def commands_router(hub: Hub) -> APIRouter:
         """Emergency stop: damping until a reset; latched until armed. Anybody may."""
         return await answer(Stop(by=request.headers.get("x-studio-page", "api")), request)
 
-    @router.post("/reset")
-    async def reset(request: Request) -> dict[str, Any]:
-        """Stand up again (at most 3 s); a stop stays latched."""
-        return await answer(Reset(), request)
-
-    @router.post("/arm")
-    async def arm(request: Request) -> dict[str, Any]:
-        """Release a stop and follow the person, with a ramp of 1 s."""
-        return await answer(Arm(), request)
-
-    @router.post("/disarm")
-    async def disarm(request: Request) -> dict[str, Any]:
-        """Stop following; the robot goes to a neutral stance."""
-        return await answer(Disarm(), request)
-
-    @router.post("/gain")
-    async def gain(body: GainBody, request: Request) -> dict[str, Any]:
-        """A slider: tilt gain, dead zone, speed cap."""
-        return await answer(SetGain(name=body.name, value=body.value), request)
-
-    @router.post("/controller")
-    async def controller(body: ControllerBody, request: Request) -> dict[str, Any]:
-        """Which controller turns the reference into an action."""
-        return await answer(SetController(name=body.controller), request)
-
-    @router.post("/mirror")
-    async def mirror(body: MirrorBody, request: Request) -> dict[str, Any]:
-        """Move as in a mirror, or side for side."""
-        return await answer(SetMirror(mirror=body.mirror), request)
-
-    @router.post("/calibrate")
-    async def calibrate(request: Request) -> dict[str, Any]:
-        """Measure bone lengths and heading anew from what is seen now."""
-        return await answer(Calibrate(), request)
-
-    @router.post("/seek")
-    async def seek(body: SeekBody, request: Request) -> dict[str, Any]:
-        """Replay: move in the take."""
-        return await answer(Seek(**body.model_dump()), request)
-
     @router.post("/control")
     async def control(body: ControlBody) -> dict[str, Any]:
         """A page takes, hands over or gives up control."""
@@ -186,3 +197,22 @@ def commands_router(hub: Hub) -> APIRouter:
         return hub.state()
 
     return router
+
+
+Answer = Callable[[Command, Request], Coroutine[Any, Any, dict[str, Any]]]
+
+
+def _route(answer: Answer, body: type[BaseModel] | None, make: Make) -> Callable[..., Any]:
+    """The function that FastAPI calls: its annotations say which body to expect."""
+    if body is None:
+
+        async def bare(request: Request) -> dict[str, Any]:
+            return await answer(make(None), request)
+
+        return bare
+
+    async def with_body(body: Any, request: Request) -> dict[str, Any]:
+        return await answer(make(body), request)
+
+    with_body.__annotations__["body"] = body
+    return with_body

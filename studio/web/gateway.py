@@ -18,7 +18,7 @@ from studio.web.access import AccessMiddleware
 from studio.web.collect_api import collect_router
 from studio.web.commands_api import commands_router
 from studio.web.files_api import files_router
-from studio.web.hub import Hub
+from studio.web.hub import Hub, misfit
 from studio.web.inner import InnerViser
 from studio.web.relay import view_router
 from studio.web.review_api import review_router
@@ -90,10 +90,7 @@ def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
     @app.exception_handler(RequestValidationError)
     async def malformed(_: Request, error: RequestValidationError) -> JSONResponse:
         """A body that does not fit: which field, and what it should be."""
-        said = "; ".join(
-            f"{'.'.join(str(part) for part in e['loc'][1:]) or 'body'}: {e['msg']}"
-            for e in error.errors()
-        )
+        said = misfit(error)
         return JSONResponse({"why": said, "error": said}, 422)
 
     return AccessMiddleware(app, hub.access)

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from fastapi import HTTPException, Request
+from fastapi.exceptions import RequestValidationError
 
 from studio.imitation.controllers import CONTROLLERS
 from studio.live.commands import Command, Result, Stop
@@ -82,3 +83,11 @@ class Hub:
 def refused(why: str, status: int = 409) -> HTTPException:
     """An answer of {"why": …} with a status."""
     return HTTPException(status, detail=why)
+
+
+def misfit(error: RequestValidationError) -> str:
+    """One line on a body that does not fit: which field, and what it should be."""
+    return "; ".join(
+        f"{'.'.join(str(part) for part in e['loc'][1:]) or 'body'}: {e['msg']}"
+        for e in error.errors()
+    )
