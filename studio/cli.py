@@ -20,34 +20,10 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # one BLAS thread in the loop (fi
 import tyro
 
 from studio import __version__
-from studio.errors import StudioError
+from studio.errors import StudioError, unknown_name
+from studio.options import ControllerName, ServeConfig, StateOption, Style
 
 Answer = dict[str, Any]
-State = Literal["auto", "stand", "walk", "sit"]
-Style = Literal["march", "circles", "semantic"]
-ControllerName = Literal["stand_still", "pd_playback", "policy"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Serve:
-    """Open the studio in a browser: prints one URL; opening it is all there is to do."""
-
-    source: str = "operator"
-    """operator[:TASK], bvh:FILE, frames:FILE, take:NAME or stream."""
-    host: str = "127.0.0.1"
-    """Address to listen on."""
-    port: int = 8080
-    """Port to listen on; 0 takes a free one."""
-    sessions: Path = Path("sessions")
-    """Folder of recorded takes."""
-    token: str | None = None
-    """What the URL carries as proof; made anew at each start if left out."""
-    seed: int = 0
-    """Of the synthetic operator."""
-    style: Style = "march"
-    """Which human motion means walking."""
-    controller: ControllerName | None = None
-    """What turns the reference into an action (default: policy once trained)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +36,7 @@ class Drive:
     """When to end at the latest (an endless operator: 40 s, a tour of every task)."""
     seed: int = 0
     """Of the synthetic operator and the world."""
-    state: State = "auto"
+    state: StateOption = "auto"
     """Stay in one state, or let the selector decide."""
     style: Style = "march"
     """Which human motion means walking."""
@@ -118,10 +94,10 @@ class Evaluate:
 
 
 def _serve(argv: Sequence[str]) -> None:
-    args = tyro.cli(Serve, prog="a1-studio serve", args=argv)
-    from studio.web.serve import ServeConfig, serve
+    config = tyro.cli(ServeConfig, prog="a1-studio serve", args=argv)
+    from studio.web.serve import serve
 
-    serve(ServeConfig(**vars(args)))
+    serve(config)
 
 
 def _drive(argv: Sequence[str]) -> Answer:
@@ -142,8 +118,11 @@ def _bench(argv: Sequence[str]) -> Answer:
 
 def _evaluate(argv: Sequence[str]) -> Answer:
     args = tyro.cli(Evaluate, prog="a1-studio evaluate", args=argv)
-    from studio.evaluation.registry import run_evaluation
+    from studio.evaluation.registry import available, run_evaluation
 
+    known = (*available(), "all")
+    if args.name not in known:
+        _usage(str(unknown_name("evaluation", args.name, known)), 2)
     return run_evaluation(**vars(args))
 
 

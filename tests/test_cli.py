@@ -4,12 +4,15 @@ import json
 import os
 import subprocess
 import sys
+from typing import get_args
 
 import numpy as np
 import pytest
 
-from studio import cli
+from studio import cli, options
 from studio.errors import StudioError
+from studio.imitation.controllers import CONTROLLERS
+from studio.reference.intent import STATES
 
 
 def run(*argv, capsys):
@@ -36,6 +39,25 @@ def test_help_lists_every_command_quickly_without_loading_the_studio():
         assert command in done.stdout
 
 
+def test_the_options_of_serve_are_listed_without_loading_the_page():
+    code = (
+        "import sys; from studio import cli\n"
+        "try: cli.main(['serve', '--help'])\n"
+        "except SystemExit as e: status = e.code\n"
+        "heavy = {'torch', 'mujoco', 'viser', 'fastapi', 'scipy'} & set(sys.modules)\n"
+        "sys.exit(status or len(heavy))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    for option in ("source", "host", "port", "sessions", "token", "style", "controller"):
+        assert f"--{option}" in done.stdout
+
+
+def test_the_choices_that_help_lists_are_those_that_there_are():
+    assert set(get_args(options.ControllerName)) == set(CONTROLLERS)
+    assert set(get_args(options.StateOption)) == {"auto", *STATES}
+
+
 @pytest.mark.parametrize(
     "argv",
     [
@@ -51,6 +73,8 @@ def test_help_lists_every_command_quickly_without_loading_the_studio():
         ["takes"],
         ["takes", "burn"],
         ["evaluate"],
+        ["evaluate", "nothing"],
+        ["evaluate", "nothing", "--json", "-"],
     ],
 )
 def test_bad_usage_is_exit_status_2_and_says_something(argv, capsys):
@@ -70,7 +94,6 @@ def test_bad_usage_is_exit_status_2_and_says_something(argv, capsys):
         ["drive", "--source", "stream", "--seconds", "1"],
         ["drive", "--source", "operator", "--seconds", "-3"],
         ["takes", "show", "nothing"],
-        ["evaluate", "nothing"],
     ],
 )
 def test_what_fails_is_exit_status_1_and_one_line(argv, tmp_path, monkeypatch, capsys):

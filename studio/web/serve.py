@@ -11,7 +11,6 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import uvicorn
@@ -19,6 +18,7 @@ import uvicorn
 from studio.errors import StudioError
 from studio.live.loop import LiveLoop
 from studio.live.opened import SessionConfig
+from studio.options import ServeConfig
 from studio.puppeteer import PuppeteerConfig
 from studio.web.access import AccessConfig, page_url
 from studio.web.desk import ControlDesk
@@ -32,20 +32,6 @@ from studio.web.view import View
 log = logging.getLogger(__name__)
 MAX_SOCKET_MESSAGE = 8 * 1024 * 1024
 """Bytes: frames of up to 1 MB must be answered, not closed on."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ServeConfig:
-    """Options of `a1-studio serve` (contract.md). port 0: one the system chooses."""
-
-    source: str = "operator"
-    host: str = "127.0.0.1"
-    port: int = 8080
-    sessions: Path = Path("sessions")
-    token: str | None = None
-    seed: int = 0
-    style: str = "march"
-    controller: str | None = None
 
 
 def bind(host: str, port: int) -> socket.socket:

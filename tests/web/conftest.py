@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import httpx
 import pytest
 
-from studio.web.serve import ServeConfig, studio
+from studio.options import ServeConfig
+from studio.web.serve import studio
 
 TOKEN = "test-token-0123456789"
 
