@@ -96,7 +96,7 @@ def follower_for(config: SessionConfig, source: Source) -> OpenedSource | None:
 def open_take(config: SessionConfig, command: c.ShowTake) -> OpenedReplay:
     """A take for review, as its edits leave it. StudioError if there is none of that name."""
     from studio.live.playback import Playback
-    from studio.recording.review import open_table
+    from studio.recording.edited import open_table
 
     table, edits = open_table(config.sessions, command.name)
     playback = Playback(command.name, table, edits, aligned=command.aligned)

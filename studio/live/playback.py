@@ -10,8 +10,8 @@ from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.live.transport import Transport
 from studio.recording.columns import Columns
+from studio.recording.edited import human_at, human_rows
 from studio.recording.edits import Edits
-from studio.recording.review import human_at, human_rows
 from studio.recording.tick import Tick
 from studio.robot import a1, kinematics
 from studio.robot.a1 import CONTROL_DT

@@ -4,7 +4,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from studio.recording import datasets, review
+from studio.recording import datasets, edited, review, synchrony
 from studio.recording.exports import export
 from studio.recording.library import SessionLibrary
 from studio.reference.intent import STATES
@@ -81,17 +81,17 @@ def align_take(
     """
     library = SessionLibrary(sessions)
     if show:
-        table, edits = review.open_table(sessions, name)
-        others = [] if alone else review.session_curves(library, name)
-        before, found = review.align(table, edits, others)
+        table, edits = edited.open_table(sessions, name)
+        others = [] if alone else synchrony.session_curves(library, name)
+        before, found = synchrony.align(table, edits, others)
     elif refuse:
-        review.refuse_alignment(library, name)
-        table, edits = review.open_table(sessions, name)
-        before = found = review.align(table, edits)[0]
+        synchrony.refuse_alignment(library, name)
+        table, edits = edited.open_table(sessions, name)
+        before = found = synchrony.align(table, edits)[0]
     else:
-        before, found = review.accept_alignment(library, name, warp=warp, alone=alone)
+        before, found = synchrony.accept_alignment(library, name, warp=warp, alone=alone)
         review.review(library, name)
-        table, edits = review.open_table(sessions, name)
+        table, edits = edited.open_table(sessions, name)
     return {
         "name": name,
         "before": None if before is None else asdict(before),

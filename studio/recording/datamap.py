@@ -13,9 +13,9 @@ from studio.errors import StudioError
 from studio.recording import coverage as cover
 from studio.recording.columns import columns
 from studio.recording.coverage import AXES, ENOUGH, Coverage
+from studio.recording.edited import kept
 from studio.recording.edits import EDITS, read_edits
 from studio.recording.library import SessionLibrary
-from studio.recording.review import kept
 from studio.recording.take import read_meta
 from studio.reference.intent import STATES
 from studio.robot.a1 import CONTROL_DT

@@ -19,7 +19,7 @@ from studio.errors import StudioError
 from studio.human.calibration import calibrate
 from studio.human.features import DELTA_FRAMES, FEATURE_DIM, clip_features
 from studio.human.pose import HumanClip
-from studio.recording import review
+from studio.recording import edited, synchrony
 from studio.recording.columns import Columns, columns
 from studio.recording.edits import Edits, read_edits
 from studio.recording.library import SessionLibrary
@@ -77,8 +77,8 @@ def take_pairs(library: SessionLibrary, name: str) -> Pairs:
     folder = library.folder(name)
     table, edits, meta = columns(folder), read_edits(folder).edits, _meta(library, name)
     edits, aligned = settled(table, edits)
-    keep = review.kept(len(table), edits) & (edits.keep is not False)
-    at = review.human_rows(np.arange(len(table)), edits)
+    keep = edited.kept(len(table), edits) & (edits.keep is not False)
+    at = edited.human_rows(np.arange(len(table)), edits)
     keep &= (at >= 0.0) & (at <= len(table) - 1)  # beyond the tape nobody is there to learn from
     of = states_of(table, meta.get("about") or {})
     parts = [_stretch(table, edits, a, b, of[a]) for a, b in stretches(of, _seen(table, at))]
@@ -115,7 +115,7 @@ def settled(table: Columns, edits: Edits) -> tuple[Edits, str]:
     """The edits with a lag: decided, or proposed and certain; and which."""
     if edits.lag is not None:
         return edits, "edit"
-    _, proposed = review.align(table, edits)
+    _, proposed = synchrony.align(table, edits)
     if proposed is None or proposed.certainty < CERTAIN:
         return edits, "none"
     return replace(edits, lag=round(proposed.lag, 4)), "proposed"
@@ -151,7 +151,7 @@ def _stretch(
 ) -> tuple[NDArray[np.int32], int, dict[str, Array32]]:
     """Ticks, state and values of the frames of one stretch, but for the first SETTLE."""
     ticks = np.arange(start, end)
-    joints, confidence = review.human_at(table, review.human_rows(ticks, edits))
+    joints, confidence = edited.human_at(table, edited.human_rows(ticks, edits))
     clip = HumanClip(
         name="take",
         t=np.float64(a1.CONTROL_DT) * (ticks - start),

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from studio.errors import StudioError
 from studio.live.commands import ShowTake
-from studio.recording import review
+from studio.recording import edited, review, synchrony, windows
 from studio.recording.library import SessionLibrary
 from studio.web.encode import plain
 from studio.web.hub import Hub, refused
@@ -92,10 +92,10 @@ def review_router(hub: Hub) -> APIRouter:
             raise refused("points are between 2 and 4000", 422)
 
         def work() -> dict[str, Any]:
-            table, edits = review.open_table(hub.sessions, name)
+            table, edits = edited.open_table(hub.sessions, name)
             if not aligned:
                 edits = type(edits)(trim=edits.trim, cuts=edits.cuts)
-            curves = review.overview(table, edits, points)
+            curves = windows.overview(table, edits, points)
             ticks = np.rint(np.asarray(curves["t"]) * 30.0).astype(int)
             contact = np.asarray(table.rows["reference_foot_contact"][ticks], dtype=np.float64)
             return {**curves, "seconds": table.seconds, "contact": contact}
@@ -107,11 +107,11 @@ def review_router(hub: Hub) -> APIRouter:
         """Accept or refuse the proposed alignment: an edit, which undo takes back."""
         await known(name)
         if body.accept:
-            work = lambda: review.accept_alignment(library, name, warp=body.warp)  # noqa: E731
+            work = lambda: synchrony.accept_alignment(library, name, warp=body.warp)  # noqa: E731
             before, found = await off_thread(work)
             told = {"before": before, "after": found}
         else:
-            await off_thread(lambda: review.refuse_alignment(library, name))
+            await off_thread(lambda: synchrony.refuse_alignment(library, name))
             told = {}
         return {**await info(name), **plain({k: vars(v) for k, v in told.items() if v})}
 

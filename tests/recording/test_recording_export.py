@@ -13,7 +13,7 @@ from acted_takes import acted_take, record
 from make_ticks import make_ticks
 
 from studio.errors import StudioError
-from studio.recording import commands, datasets, exports, review
+from studio.recording import commands, datasets, edited, exports
 from studio.recording.library import SessionLibrary
 from studio.recording.pairs import take_pairs
 from studio.recording.take import Recorder, read_take
@@ -37,7 +37,7 @@ def sessions(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def lasting(sessions: Path):
     """The ticks that the trim and the cut leave, and the take."""
     take = read_take(sessions / "manipulate_left")
-    return np.flatnonzero(review.kept(len(take), take.edits)), take
+    return np.flatnonzero(edited.kept(len(take), take.edits)), take
 
 
 def test_pairs_export_holds_the_pairs(sessions: Path, tmp_path: Path):

@@ -16,7 +16,7 @@ import pytest
 from acted_takes import DT, MOVING, acted_take, record
 
 from studio.mocap.performer import Person
-from studio.recording import lag, review
+from studio.recording import edited, lag, synchrony
 from studio.recording.library import SessionLibrary
 from studio.recording.sessions import SessionBook
 
@@ -90,15 +90,15 @@ def test_other_takes_of_the_session_settle_what_one_cannot(tmp_path: Path):
         acted = acted_take(task, rng, person=person, lag=late, fidgets=False, seconds=6.0)
         record(acted, tmp_path, f"t{i}", session=book.add("me", f"t{i}").name)
     library = SessionLibrary(tmp_path)
-    curves = review.session_curves(library, "t0")
+    curves = synchrony.session_curves(library, "t0")
     assert len(curves) == 2
-    table, edits = review.open_table(tmp_path, "t0")
-    alone, together = review.align(table, edits)[1], review.align(table, edits, curves)[1]
+    table, edits = edited.open_table(tmp_path, "t0")
+    alone, together = synchrony.align(table, edits)[1], synchrony.align(table, edits, curves)[1]
     assert alone is not None
     assert together is not None
     assert together.lag == pytest.approx(late, abs=1.5 * DT)
     assert together.certainty > alone.certainty
     # A rejected take has no say.
     library.edit("t1", keep=False)
-    assert len(review.session_curves(library, "t0")) == 1
-    assert review.session_curves(library, "t2")[0].lags.tolist() == curves[0].lags.tolist()
+    assert len(synchrony.session_curves(library, "t0")) == 1
+    assert synchrony.session_curves(library, "t2")[0].lags.tolist() == curves[0].lags.tolist()

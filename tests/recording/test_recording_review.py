@@ -11,7 +11,7 @@ from acted_takes import acted_take, record
 from make_ticks import make_ticks
 
 from studio.errors import StudioError
-from studio.recording import commands, review
+from studio.recording import commands, edited, findings, review, synchrony, windows
 from studio.recording.columns import ROW, Columns, columns
 from studio.recording.edits import Edits, edit, read_edits
 from studio.recording.library import SessionLibrary
@@ -88,14 +88,14 @@ def test_a_late_person_is_found_accepted_and_undone(library: SessionLibrary, act
 
 def test_an_aligned_window_shows_the_person_who_acted_at_t_plus_lag(library: SessionLibrary):
     edit(library.folder("one"), lag=0.5)
-    table, edits = review.open_table(library.root, "one")
-    raw = review.window(table, edits, 0.0, 99.0, aligned=False)
-    aligned = review.window(table, edits, 0.0, 99.0)
+    table, edits = edited.open_table(library.root, "one")
+    raw = windows.window(table, edits, 0.0, 99.0, aligned=False)
+    aligned = windows.window(table, edits, 0.0, 99.0)
     np.testing.assert_allclose(aligned["human"][:-15], raw["human"][15:], atol=1e-6)
     np.testing.assert_array_equal(aligned["reference_joint_pos"], raw["reference_joint_pos"])
-    half = review.window(table, edits, 1.0, 2.0)
+    half = windows.window(table, edits, 1.0, 2.0)
     np.testing.assert_allclose(half["human"], aligned["human"][30:60], atol=1e-6)
-    thin = review.window(table, edits, 0.0, 99.0, most=50)
+    thin = windows.window(table, edits, 0.0, 99.0, most=50)
     assert len(thin["t"]) <= 50
     assert thin["t"][-1] > table.seconds - 0.5
 
@@ -106,8 +106,8 @@ def test_a_warp_is_kept_and_read_back(library: SessionLibrary):
     assert log.problems == ()
     assert log.edits.warp is not None
     assert done["warp"] == len(log.edits.warp)
-    table, edits = review.open_table(library.root, "one")
-    rows = review.human_rows(np.arange(len(table)), edits)
+    table, edits = edited.open_table(library.root, "one")
+    rows = edited.human_rows(np.arange(len(table)), edits)
     assert np.all(np.diff(rows) >= -1e-6)
 
 
@@ -125,7 +125,7 @@ def test_the_score_is_listed_and_is_no_step_to_undo(library: SessionLibrary):
 def test_aligning_a_late_take_raises_its_score(library: SessionLibrary):
     late = review.review(library, "one")
     assert "lag" in {r.name for r in late.quality.reasons}
-    review.accept_alignment(library, "one")
+    synchrony.accept_alignment(library, "one")
     assert review.review(library, "one").score > late.score
 
 
@@ -147,25 +147,25 @@ def spoiled(rows: np.ndarray) -> np.ndarray:
 
 def test_faults_are_suggested_where_they_are(library: SessionLibrary):
     table = columns(library.folder("one"))
-    found = review.suggestions(Columns(rows=spoiled(table.rows), names=table.names))
+    found = findings.suggestions(Columns(rows=spoiled(table.rows), names=table.names))
     by_kind = {s.kind: s for s in found}
     assert by_kind["frozen"].start == pytest.approx(2.0, abs=DT)
     assert by_kind["frozen"].end == pytest.approx(89 * DT, abs=DT)
     assert by_kind["dropped"].start == pytest.approx(199 * DT, abs=DT)
     # Where a block ends no fault is found twice or missed.
     for seconds in (2.1, 3.0, 5.5):
-        size, review.BLOCK_S = review.BLOCK_S, seconds
+        size, findings.BLOCK_S = findings.BLOCK_S, seconds
         try:
-            again = review.suggestions(Columns(rows=spoiled(table.rows), names=table.names))
+            again = findings.suggestions(Columns(rows=spoiled(table.rows), names=table.names))
         finally:
-            review.BLOCK_S = size
+            findings.BLOCK_S = size
         assert [s.kind for s in again].count("dropped") == 1
         assert [s.kind for s in again].count("frozen") >= 1
 
 
 def test_what_is_cut_or_trimmed_counts_no_more(library: SessionLibrary):
     edits = Edits(trim=(1.0, 5.0), cuts=((2.0, 3.0),))
-    keep = review.kept(240, edits)
+    keep = edited.kept(240, edits)
     t = np.arange(240) / 30.0
     np.testing.assert_array_equal(keep, (t >= 1.0) & (t < 5.0) & ~((t >= 2.0) & (t <= 3.0)))
     library.edit("one", cuts=[[0.0, 1.0], [0.5, 2.0], [4.0, 5.0]])
@@ -215,7 +215,7 @@ def test_a_take_in_which_nothing_moves_says_that_it_cannot_be_aligned(tmp_path: 
     }
     record(replace(quiet, motion=replace(motion, **frozen)), tmp_path, "still")
     with pytest.raises(StudioError, match="nothing moves"):
-        review.accept_alignment(SessionLibrary(tmp_path), "still")
+        synchrony.accept_alignment(SessionLibrary(tmp_path), "still")
     assert review.review(SessionLibrary(tmp_path), "still").found is None
 
 
@@ -247,13 +247,13 @@ def test_an_hour_is_reviewed_in_bounded_memory_and_scrubs_at_once(tmp_path: Path
     assert len(table) >= 108_000
     found = review.review(SessionLibrary(tmp_path), "hour")
     assert found.found is not None
-    review.overview(table, edits)
+    windows.overview(table, edits)
     grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
     assert grown < 250.0, f"{grown:.0f} MB"
     times = []
     for start in np.random.default_rng(0).uniform(0.0, 3500.0, 50):
         begin = time.process_time()
-        review.window(table, edits, float(start), float(start) + 10.0)
+        windows.window(table, edits, float(start), float(start) + 10.0)
         times.append(time.process_time() - begin)
     assert np.quantile(times, 0.95) < 0.03
     assert ROW.itemsize * 108_000 < 80e6

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.human.pose import HumanPose
 from studio.human.skeleton import NUM_JOINTS
-from studio.recording import review
+from studio.recording import edited
 from studio.recording.take import Take
 from studio.robot import a1
 
@@ -44,10 +44,10 @@ class Extent:
 
 def extent(take: Take) -> Extent:
     """The ticks within the trim and outside the cuts, with the person who belongs to each."""
-    ticks = np.flatnonzero(review.kept(len(take), take.edits))
+    ticks = np.flatnonzero(edited.kept(len(take), take.edits))
     human, confidence = np.zeros((len(ticks), NUM_JOINTS, 3)), np.zeros((len(ticks), NUM_JOINTS))
     if take.human is not None and len(ticks):
-        at = np.clip(review.human_rows(ticks, take.edits), 0, len(take) - 1)
+        at = np.clip(edited.human_rows(ticks, take.edits), 0, len(take) - 1)
         low = np.floor(at).astype(int)
         high = np.minimum(low + 1, len(take) - 1)
         index = take.arrays.human_index

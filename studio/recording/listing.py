@@ -1,0 +1,139 @@
+"""A take's folder to its line in the list."""
+
+import contextlib
+import fcntl
+import os
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+
+from studio.errors import StudioError
+from studio.recording import edits as edit_log
+from studio.recording.edits import EditLog
+from studio.recording.recorder import META, TAPE
+from studio.recording.take import read_meta, read_take
+
+
+@dataclass(frozen=True, kw_only=True)
+class TakeInfo:
+    """A line of the list. complete: it was stopped properly; recovered: it was not, what is left
+    of it is there; recording: it is being written now. Edits (label, keep, score, trim, lag) are
+    the present ones."""
+
+    name: str
+    label: str = ""
+    started: str = ""
+    source: str = ""
+    seconds: float = 0.0
+    ticks: int = 0
+    score: float | None = None
+    kept: bool | None = None
+    trim: tuple[float, float] | None = None
+    lag: float | None = None
+    note: str | None = None
+    undoable: int = 0
+    redoable: int = 0
+    complete: bool = False
+    recovered: bool = False
+    recording: bool = False
+    problems: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain values, as contract.md's GET /api/takes gives them."""
+        return asdict(self)
+
+
+def examine(folder: Path) -> TakeInfo:
+    """A take's line, its tape read only where nothing else says what is on it."""
+    edits = edit_log.read_edits(folder)
+    recording = is_recording(folder)
+    try:
+        meta = read_meta(folder)
+    except StudioError as error:
+        if not (folder / TAPE).exists():
+            return TakeInfo(name=folder.name, problems=(str(error),))
+        meta = {}
+        if (folder / META).exists():
+            with contextlib.suppress(msgspec.DecodeError, OSError):
+                # Of another version: not ours to read further.
+                msgspec.json.decode((folder / META).read_bytes())
+                return TakeInfo(name=folder.name, problems=(str(error),))
+    if "ticks" in meta or recording:
+        return _info(folder, meta, edits, complete="ticks" in meta, recording=recording)
+    try:
+        take = read_take(folder)
+    except StudioError as error:
+        return _info(folder, meta, edits, problems=(str(error),))
+    meta = meta | {"ticks": len(take), "seconds": take.seconds}
+    return _info(
+        folder, meta, edits, complete=take.complete, recovered=take.recovered,
+        problems=take.problems[: len(take.problems) - len(edits.problems)],
+    )  # fmt: skip
+
+
+def is_recording(folder: Path) -> bool:
+    """Whether a living process holds the tape (the lock dies with it)."""
+    try:
+        handle = os.open(folder / TAPE, os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except OSError:
+        return True
+    finally:
+        os.close(handle)
+    return False
+
+
+def _info(
+    folder: Path,
+    meta: dict[str, Any],
+    log: EditLog,
+    *,
+    complete: bool = False,
+    recovered: bool = False,
+    recording: bool = False,
+    problems: tuple[str, ...] = (),
+) -> TakeInfo:
+    edits = log.edits
+    about = meta.get("about") or {}
+    return TakeInfo(
+        name=folder.name,
+        label=meta.get("label", "") if edits.label is None else edits.label,
+        started=meta.get("started", ""),
+        source=str(about.get("source", "")),
+        seconds=round(float(meta.get("seconds", 0.0)), 6),
+        ticks=int(meta.get("ticks", 0)),
+        score=edits.score,
+        kept=edits.keep,
+        trim=edits.trim,
+        lag=edits.lag,
+        note=edits.note,
+        undoable=log.undoable,
+        redoable=log.redoable,
+        complete=complete,
+        recovered=recovered,
+        recording=recording,
+        problems=problems + log.problems,
+    )
+
+
+def verified(folder: Path) -> dict[str, Any]:
+    """What reading a take's tape whole says of it."""
+    out: dict[str, Any] = {"name": folder.name, "ticks": 0, "seconds": 0.0}
+    out |= {"complete": False, "recovered": False, "readable": False}
+    try:
+        take = read_take(folder)
+    except StudioError as error:
+        return out | {"problems": [str(error)]}
+    return out | {
+        "ticks": len(take),
+        "seconds": round(take.seconds, 6),
+        "complete": take.complete,
+        "recovered": take.recovered,
+        "readable": True,
+        "problems": list(take.problems),
+    }
