@@ -4,7 +4,6 @@ Every method sees the same frames of the same performances and is planted by the
 temporal consistency; "without contact" rows let the mapped velocity carry the root instead.
 """
 
-import json
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -20,7 +19,7 @@ from studio.reference.intent import STATES, StateName
 from studio.retarget.baselines.foot_height import contact_by_height
 from studio.retarget.mapper import RATES, Mapped
 from studio.retarget.planting import Planting
-from studio.retarget.store import STYLES, load_experts, style_dir
+from studio.retarget.store import STYLES, load_experts
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT
 from studio.training.mapper import MapperTraining, commit, make_pairs
@@ -68,7 +67,7 @@ def run_pairs(
     `train_seconds` and all of them, the networks in `steps` gradient steps a state (see
     `pair_methods`); "expert" alone is the shipped one. All are scored on the family "held_out".
     """
-    shipped = load_experts(style).mappers
+    shipped = load_experts(style)
     known = {s: make_pairs(s, train_seconds, seed, style) for s in states}
     held = {
         s: make_pairs(s, 10.0 * (episodes or 12), seed + HELD_OUT_SEED, style, "held_out")
@@ -103,12 +102,12 @@ def run_pairs(
             for one in fitted:
                 add(state, f"{one.controller}, {said}", one)
     for state in states:
-        facts = sidecar(style, state)
+        facts = shipped.sidecars[state]
         ours = Fitted(
             controller="expert",
-            method=shipped[state],
-            pairs=int(facts["scores"]["train_frames"]),
-            fit_seconds=float(facts["seconds"]),
+            method=shipped.mappers[state],
+            pairs=int(facts.get("scores", {}).get("train_frames", 0)),
+            fit_seconds=float(facts.get("seconds", 0.0)),
         )
         add(state, "expert", ours)
         add(state, "expert, contact by foot height", ours, by_height=True)
@@ -118,11 +117,6 @@ def run_pairs(
 def clips_of(pairs: PairSet) -> list[PairSet]:
     """The performances of a set, one by one."""
     return [pairs.take(pairs.clip == c) for c in np.unique(pairs.clip)]
-
-
-def sidecar(style: str, state: StateName) -> dict[str, Any]:
-    """What is written beside a shipped expert's weights."""
-    return json.loads((style_dir(style) / f"{state}.json").read_text())
 
 
 def _style(style: str) -> Literal["march", "circles", "semantic"]:
@@ -179,7 +173,8 @@ def plant(state: StateName, mapped: Mapped) -> tuple[Performed, float, int]:
     planting.start(state)
     poses, clipped = [], 0
     for i in range(len(mapped.joint_pos)):
-        frame = Mapped(**{f: getattr(mapped, f)[i] for f in Mapped.__dataclass_fields__})
+        values = {f: getattr(mapped, f) for f in Mapped.__dataclass_fields__}
+        frame = Mapped(**{f: v[i] if isinstance(v, np.ndarray) else v for f, v in values.items()})
         pose, cut = planting.step(frame, CONTROL_DT)
         poses.append(pose)
         clipped += cut
