@@ -6,8 +6,9 @@ import numpy as np
 
 from studio.human.pose import HumanClip, HumanPose
 from studio.mocap.source import SourceEnded
+from studio.robot.a1 import CONTROL_DT
 
-TOLERANCE = 0.5 / 30.0
+TOLERANCE = 0.5 * CONTROL_DT
 """s: half a control period, so that rounded time stamps do not slip a frame."""
 CALIBRATION_POSES = 300
 
@@ -20,19 +21,22 @@ class ClipSource:
     def __init__(self, clip: HumanClip, name: str | None = None, rejected: int = 0) -> None:
         self.name = name if name is not None else clip.name
         self.clip = clip
-        self.duration: float | None = float(clip.t[-1] - clip.t[0])
         self._t = clip.t - clip.t[0]
+        # The last pose is shown as long as the others: N poses at any rate last N periods.
+        period = float(np.median(np.diff(self._t))) if len(self._t) > 1 else CONTROL_DT
+        self.duration: float | None = float(self._t[-1]) + period
         self._given = -1
         self._rejected = rejected
 
     def read(self, t: float) -> HumanPose | None:
-        """The newest pose with time <= t not given before; SourceEnded after the last."""
+        """The newest pose with time <= t not given before; SourceEnded once its time is over."""
+        assert self.duration is not None
+        if t + TOLERANCE >= self.duration - 1e-9:
+            raise SourceEnded(self.name)
         newest = int(np.searchsorted(self._t, t + TOLERANCE - 1e-9)) - 1
         if newest > self._given:
             self._given = newest
             return replace(self.clip[newest], t=float(self._t[newest]))
-        if self._given == len(self._t) - 1:
-            raise SourceEnded(self.name)
         return None
 
     def calibration_poses(self) -> list[HumanPose]:

@@ -15,6 +15,7 @@ from studio.mocap import SOURCES, Source, SourceEnded, open_source
 from studio.mocap.clip_source import ClipSource
 from studio.mocap.frames import load_frames
 from studio.mocap.gate import FrameRejected, object_of
+from studio.mocap.source import poses as source_poses
 from studio.mocap.stream import StreamSource
 from studio.recording.recorder import Recorder
 from studio.recording.tick import Tick
@@ -253,14 +254,25 @@ def test_a_clip_of_any_rate_gives_its_newest_frame_within_half_a_period():
     clip = HumanClip(name="fast", t=t, joint_pos_w=np.tile(NEUTRAL, (121, 1, 1)),
                      confidence=np.ones((121, 19)))  # fmt: skip
     source = ClipSource(clip)
-    assert source.duration == pytest.approx(1.0)
-    given = [source.read(k / 30) for k in range(31)]
+    assert source.duration == pytest.approx(121 / 120)
+    given = [source.read(k / 30) for k in range(30)]
     for k, pose in enumerate(given):
         assert pose is not None
         # time counts from the clip's start; never newer than half a period ahead
         assert k / 30 <= pose.t + 1e-9 <= k / 30 + 1 / 60 + 2e-9
     with pytest.raises(SourceEnded):
-        source.read(31 / 30)
+        source.read(30 / 30)
+
+
+@pytest.mark.parametrize("rate", [10, 24, 25, 30, 50, 60, 100, 120, 240])
+def test_a_clip_of_any_rate_lasts_thirty_periods_a_second(rate):
+    count = 4 * rate
+    clip = HumanClip(name="clip", t=np.arange(count) / rate,
+                     joint_pos_w=np.tile(NEUTRAL, (count, 1, 1)),
+                     confidence=np.ones((count, 19)))  # fmt: skip
+    read = list(source_poses(ClipSource(clip)))
+    assert len(read) == 4 * 30
+    assert sum(pose is not None for pose in read) == min(4 * 30, count)
 
 
 def test_a_slow_clip_says_none_between_its_frames():
