@@ -111,9 +111,12 @@ class InteractiveOperator(_Performed):
 
     _EASE_S = 0.6  # s over which the person eases from one intent to the next
 
-    def __init__(self, *, seed: int = 0, style: str = "march") -> None:
+    def __init__(
+        self, *, seed: int = 0, style: str = "march", family: str = "default", sensor: str = "mocap"
+    ) -> None:
+        """family, sensor: as in `Person.sample`."""
         person_rng, acting = np.random.default_rng(seed).spawn(2)
-        person = Person.sample(person_rng, sensor="mocap", style=style).still()
+        person = Person.sample(person_rng, family, sensor=sensor, style=style).still()
         super().__init__("operator:interactive", person, acting)
         self._lock = threading.Lock()
         self._wanted = Intent()

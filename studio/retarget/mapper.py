@@ -8,8 +8,9 @@ are linear, in units of the training data's standard deviation.
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,13 +46,33 @@ class Mapped:
 
     joint_pos: (12,) rad, inside the joint limits. base_quat: (4,) wxyz, trunk in the state's frame
     (stand, sit: the frame the feet were planted in, so yaw is the twist; walk: the heading frame).
-    rates: (36,) derivatives in SI, laid out as RATES. contact_prob: (4,) in [0, 1].
+    rates: (36,) derivatives in SI, laid out as RATES. contact_prob: (4,) in [0, 1]. turn: rad/s of
+    heading where it is told by rule; None: it is felt from the rates.
     """
 
     joint_pos: Array
     base_quat: Array
     rates: Array
     contact_prob: Array
+    turn: float | None = None
+
+
+class Expert(Protocol):
+    """What a state's expert is, trained or made of rules.
+
+    remembers: it must see every frame, also those on which the robot does not follow.
+    """
+
+    @property
+    def remembers(self) -> bool: ...
+
+    def begin(self) -> Callable[[NDArray], Mapped]:
+        """What maps the frames of one stretch of motion, a triplet (3F,) a control period."""
+        ...
+
+    def __call__(self, triplet: NDArray) -> Mapped:
+        """Map a batch (N, 3F) of frames, one control period apart."""
+        ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,6 +107,15 @@ class Mapper:
         """Network inputs (..., 3F) of triplets (..., 3F), cut off at INPUT_CLIP sigmas."""
         x = (np.asarray(triplet, np.float32) - self.mean) / self.scale
         return np.minimum(np.maximum(x, -INPUT_CLIP), INPUT_CLIP)
+
+    @property
+    def remembers(self) -> bool:
+        """A network sees one frame at a time."""
+        return False
+
+    def begin(self) -> "Mapper":
+        """The expert itself: there is nothing to forget."""
+        return self
 
     def __call__(self, triplet: NDArray) -> Mapped:
         """Map one triplet (3F,) = q, q', q'' end to end; also takes a batch (..., 3F)."""

@@ -71,7 +71,10 @@ class Planting:
         joint_pos, contact = mapped.joint_pos, mapped.contact_prob
         vx, vy, _ = rates[RATES["base_lin_vel"]].tolist()
         if spec.turns:
-            self._steer(quat_s, rates[RATES["base_ang_vel"]], dt)
+            if mapped.turn is None:
+                self._steer(quat_s, rates[RATES["base_ang_vel"]], dt)
+            else:
+                self._yaw += mapped.turn * dt
             joint_pos = cap_stride(joint_pos, math.hypot(vx, vy), self.settings)
         c, s = math.cos(self._yaw), math.sin(self._yaw)
         drift = np.array([c * vx - s * vy, s * vx + c * vy, 0.0])

@@ -97,6 +97,7 @@ class Retargeter:
         self._choice: Choice | None = None
         self._first, self._silence, self._ease = True, 0.0, 1.0
         self._planting.start("stand")
+        self._begin()
 
     @property
     def settings(self) -> RetargetSettings:
@@ -117,6 +118,7 @@ class Retargeter:
         self.experts = experts
         self.selector = Selector(experts.prototypes, config)
         self.selector.set_lock(lock)
+        self._begin()
 
     def set_calibration(self, calibration: Calibration) -> None:
         """Use a refined calibration from the next frame on, without a jump in the motion."""
@@ -155,12 +157,11 @@ class Retargeter:
         self._ease_on(unknown or self._silence > HOLD, dt)
         reference, clipped = self._planting.last, False
         contact_prob = reference.foot_contact
-        if watch:
-            lap("mapper")
-        else:
-            mapped = self.experts.mappers[self._planting.state](triplet)
+        expert = self.experts.mappers[self._planting.state]
+        mapped = None if watch and not expert.remembers else self._expert(triplet)
+        lap("mapper")
+        if mapped is not None and not watch:
             contact_prob = mapped.contact_prob
-            lap("mapper")
             reference, clipped = self._planting.step(self._toward_neutral(mapped), dt)
         lap("consistency")
         return Retargeted(
@@ -180,8 +181,15 @@ class Retargeter:
         if self._first:
             self._planting.start(state)
             self._first = False
+        elif state == self._planting.state:
+            return
         else:
             self._planting.enter(state)
+        self._begin()
+
+    def _begin(self) -> None:
+        """The active state's expert starts on a new stretch of motion."""
+        self._expert = self.experts.mappers[self._planting.state].begin()
 
     def continue_from(self, pose: RobotPose, yaw: float) -> None:
         """Go on from `pose`, where a transition or a hold has left the robot, feet and all.
@@ -206,6 +214,7 @@ class Retargeter:
             base_quat=spatial.quat_slerp(rest.base_quat, mapped.base_quat, np.float64(s)),
             rates=s * mapped.rates,
             contact_prob=rest.foot_contact + s * (mapped.contact_prob - rest.foot_contact),
+            turn=None if mapped.turn is None else s * mapped.turn,
         )
 
     @property

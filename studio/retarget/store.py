@@ -9,12 +9,17 @@ from safetensors.numpy import load_file
 
 from studio.carried import carried
 from studio.errors import StudioError, unknown_name
-from studio.retarget.mapper import Mapper
+from studio.retarget.mapper import Expert, Mapper
 from studio.retarget.selector import Prototypes
+from studio.retarget.semantic import SemanticWalk
 from studio.retarget.states import EXPERTS
 
 STYLES: tuple[str, ...] = ("march", "circles", "semantic")
-"""Which human motion means walking: marching in place, circling hands, or manual features."""
+"""Which human motion means walking: marching in place, circling hands, or marching in place read by
+rule (`semantic`)."""
+BASE_STYLE = "march"
+"""Styles differ in walking only: whatever a style has no weights of its own for is as in this one.
+So standing and sitting are the same weights in all, and "semantic" shares the selector too."""
 
 MODELS = carried("models")
 """The shipped weights."""
@@ -25,7 +30,7 @@ class Experts:
     """Everything a Retargeter needs from disk. sidecars: what each file was made from."""
 
     style: str
-    mappers: dict[str, Mapper]
+    mappers: dict[str, Expert]
     prototypes: Prototypes
     sidecars: dict[str, dict[str, Any]]
 
@@ -42,15 +47,42 @@ def style_dir(style: str, models: Path | None = None) -> Path:
 
 def load_experts(style: str = "march", models: Path | None = None) -> Experts:
     """One style's three experts and selector; StudioError says how to train what is missing."""
-    return read_experts(style_dir(style, models), style)
+    return read_experts(style_dir(style, models), style, models)
 
 
-def read_experts(folder: Path, style: str) -> Experts:
-    """The three experts and the selector of a folder; StudioError if one is missing."""
-    mappers = {name: Mapper.from_tensors(_tensors(folder / name, style)) for name in EXPERTS}
-    prototypes = Prototypes.from_tensors(_tensors(folder / "selector", style))
-    sidecars = {name: read_sidecar(folder / name) for name in (*EXPERTS, "selector")}
+def read_experts(folder: Path, style: str, models: Path | None = None) -> Experts:
+    """The three experts and the selector of a folder; StudioError if one is missing.
+
+    models: where the weights are that the style shares with others.
+    """
+    stems = {name: stem(folder, name, style, models) for name in (*EXPERTS, "selector")}
+    mappers: dict[str, Expert] = {
+        name: SemanticWalk()
+        if ruled(name, style)
+        else Mapper.from_tensors(_tensors(stems[name], style))
+        for name in EXPERTS
+    }
+    prototypes = Prototypes.from_tensors(_tensors(stems["selector"], style))
+    sidecars = {name: read_sidecar(path) for name, path in stems.items()}
     return Experts(style=style, mappers=mappers, prototypes=prototypes, sidecars=sidecars)
+
+
+def ruled(part: str, style: str) -> bool:
+    """Whether rules take the place of weights."""
+    return style == "semantic" and part == "walk"
+
+
+def shared(part: str, style: str) -> bool:
+    """Whether a part (a state, or "selector") of a style may be that of BASE_STYLE."""
+    return style != BASE_STYLE and (style == "semantic" or part in ("stand", "sit"))
+
+
+def stem(folder: Path, part: str, style: str, models: Path | None = None) -> Path:
+    """Path without suffix of a part's weights: in `folder`, or where the style shares them."""
+    own = folder / part
+    if own.with_suffix(".safetensors").is_file() or not shared(part, style):
+        return own
+    return style_dir(BASE_STYLE, models) / part
 
 
 def read_sidecar(stem: Path) -> dict[str, Any]:

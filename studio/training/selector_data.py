@@ -30,6 +30,8 @@ FOOT_UP = 0.05
 """m: an ankle this far above where it stands is lifted."""
 STEP_GAP = 0.55
 """s: a march goes on between lifts no longer apart than twice this; then it is a stand."""
+MARCHERS = 6
+"""One in so many people marches where walking is circling the hands."""
 LENGTH: dict[str, tuple[float, float]] = {
     "stand": (2.0, 7.0),
     "walk": (3.0, 8.0),
@@ -64,6 +66,9 @@ def sequences(
     """One person after another, `each` seconds long, until there are `seconds` of them."""
     for person_id in range(max(1, round(seconds / each))):
         person = Person.sample(rng, family, style=style)
+        # Where walking is circling the hands, whoever marches means nothing by it.
+        if style == "circles" and person_id % MARCHERS == 3:
+            person = replace(person, style="march")
         habits = person.habits
         # Some people exaggerate: a twist of 100 degrees is still a twist, not a walk.
         person = replace(person, habits=replace(habits, gain=habits.gain * rng.uniform(1.0, 1.8)))
@@ -76,7 +81,7 @@ def sequences(
         filtered = np.stack([low_pass.step(row) for row in triplet])
         label = labels(performance.true_pos_w)
         if style == "circles":
-            label = circle_labels(label, performance)
+            label = circle_labels(label, performance, person.style == style)
         label[: 30 if not scanned else 10] = UNLABELLED
         keep = label != UNLABELLED
         yield Frames(
@@ -154,11 +159,16 @@ def labels(true_pos_w: Array) -> NDArray[np.int64]:
     return label
 
 
-def circle_labels(label: NDArray[np.int64], performance: Performance) -> NDArray[np.int64]:
-    """(T,) labels of somebody who walks by circling the hands, from those of the legs.
+def circle_labels(
+    label: NDArray[np.int64], performance: Performance, circles: bool
+) -> NDArray[np.int64]:
+    """(T,) labels under the style in which circling hands walk, from those of the legs.
 
     Walk: the hands go round, and neither does anything else. What begins or ends has no label.
+    Somebody who does not circle but marches stands, as far as the robot goes.
     """
+    if not circles:
+        return np.where(label == WALK, STAND, label)
     circling = performance.pace > 0.7
     busy = performance.idle.max(axis=1) > 0.1
     walk = circling & ~busy & (label == STAND)

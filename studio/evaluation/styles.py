@@ -1,0 +1,189 @@
+"""The styles table: each way of meaning "walk" driven through the whole flow to the same goals.
+
+People whom no mapper has seen are asked for half a metre a second and for both turns. They watch
+the robot, as people do, and march or circle more briskly until it does what they want.
+"""
+
+import logging
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import spatial
+from studio.evaluation.tracking import commit
+from studio.human.calibration import calibrate
+from studio.mocap.operator import InteractiveOperator
+from studio.puppeteer import Puppeteer, PuppeteerConfig
+from studio.recording.tick import Tick
+from studio.reference import gait
+from studio.reference.intent import Intent
+from studio.retarget.store import STYLES
+from studio.robot.a1 import CONTROL_DT
+
+log = logging.getLogger(__name__)
+Array = NDArray[np.float64]
+
+HELD_OUT_SEED = 30_000
+"""Operators are drawn from here on: no training draws from these seeds."""
+QUIET_S, SETTLE_S, MEASURED_S = 1.0, 6.0, 10.0
+"""s of standing, of getting under way, and of walking that counts."""
+LOOK_S = 0.5
+"""s between two looks at the robot."""
+EASE = 0.15
+"""Share of what is missing that the operator asks for in addition after each look."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """What is asked of a person. m_s, deg_s: goals; least: what counts as reached (same signs)."""
+
+    name: str
+    m_s: float
+    deg_s: float
+    least_m_s: float = 0.0
+    least_deg_s: float = 0.0
+
+
+CASES: tuple[Case, ...] = (
+    Case(name="forward", m_s=0.55, deg_s=0.0, least_m_s=0.5),
+    Case(name="left", m_s=0.3, deg_s=10.0, least_deg_s=8.0),
+    Case(name="right", m_s=0.3, deg_s=-10.0, least_deg_s=-8.0),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """One operator's attempt: means over what counts, asked and achieved."""
+
+    asked_m_s: float
+    asked_deg_s: float
+    achieved_m_s: float
+    achieved_deg_s: float
+    survived: bool
+    walk_share: float
+
+    def reached(self, case: Case) -> bool:
+        """Upright, and as fast and turning as far as the case wants at least."""
+        side = np.sign(case.least_deg_s)
+        turned = side * self.achieved_deg_s >= side * case.least_deg_s
+        return bool(self.survived and self.achieved_m_s >= case.least_m_s and turned)
+
+
+def run_styles(
+    *,
+    episodes: int | None = None,
+    seed: int = 0,
+    style: str | None = None,
+    controller: str | None = None,
+) -> dict[str, Any]:
+    """A row per style and case, over `episodes` operators each. `style`: that one only."""
+    rows = []
+    for each in STYLES if style is None else (style,):
+        for case in CASES:
+            outcomes = [attempt(each, case, seed + k, controller) for k in range(episodes or 4)]
+            rows.append(row(each, case, outcomes, seed) | {"controller": controller or "policy"})
+            log.info("%s, %s: %s", each, case.name, rows[-1])
+    return {"rows": rows}
+
+
+def row(style: str, case: Case, outcomes: list[Outcome], seed: int) -> dict[str, Any]:
+    """Means over the operators, and the least of them."""
+
+    def mean(name: str) -> float:
+        return float(np.mean([getattr(o, name) for o in outcomes]))
+
+    side = np.sign(case.deg_s) or 1.0
+    return {
+        "case": f"{style}, {case.name}",
+        "style": style,
+        "goal": case.name,
+        "seed": seed,
+        "episodes": len(outcomes),
+        "commit": commit(),
+        "commanded_m_s": case.m_s,
+        "achieved_m_s": mean("achieved_m_s"),
+        "least_m_s": float(min(o.achieved_m_s for o in outcomes)),
+        "commanded_deg_s": case.deg_s,
+        "achieved_deg_s": mean("achieved_deg_s"),
+        "least_deg_s": float(side * min(side * o.achieved_deg_s for o in outcomes)),
+        "asked_m_s": mean("asked_m_s"),
+        "asked_deg_s": mean("asked_deg_s"),
+        "expert_walk_share": mean("walk_share"),
+        "survived": all(o.survived for o in outcomes),
+        "reached": sum(o.reached(case) for o in outcomes),
+    }
+
+
+def attempt(style: str, case: Case, seed: int, controller: str | None = None) -> Outcome:
+    """One person of the held-out family drives the simulated robot to the case's goals."""
+    operator = InteractiveOperator(seed=HELD_OUT_SEED + seed, style=style, family="held_out")
+    puppeteer = Puppeteer(
+        PuppeteerConfig(style=style, controller=controller, seed=seed),
+        calibrate(operator.calibration_poses()),
+    )
+    ticks, asked = [], []
+    for tick, intent in driven(puppeteer, operator, case):
+        ticks.append(tick)
+        asked.append((intent.speed, intent.turn))
+        if tick.fallen:
+            break
+    first = min(round((QUIET_S + SETTLE_S) / CONTROL_DT), len(ticks) - 2)
+    forward, turned = motion(ticks[first:])
+    speed, turn = np.mean(asked[first:], axis=0).tolist()
+    return Outcome(
+        asked_m_s=speed,
+        asked_deg_s=float(np.degrees(turn)),
+        achieved_m_s=forward,
+        achieved_deg_s=float(np.degrees(turned)),
+        survived=not ticks[-1].fallen,
+        walk_share=float(np.mean([tick.expert == "walk" for tick in ticks[first:]])),
+    )
+
+
+def driven(
+    puppeteer: Puppeteer, operator: InteractiveOperator, case: Case
+) -> Iterator[tuple[Tick, Intent]]:
+    """Ticks and what the operator means meanwhile: quiet, then towards the goals."""
+    speed, turn = case.m_s, np.radians(case.deg_s)
+    intent, seen = Intent(), []
+    look = round(LOOK_S / CONTROL_DT)
+    start = round(QUIET_S / CONTROL_DT)
+    for k in range(start + round((SETTLE_S + MEASURED_S) / CONTROL_DT)):
+        if k >= start and (k - start) % look == 0:
+            # Before the robot walks there is nothing to see.
+            if len(seen) > 2 * look and seen[-2 * look].state == "walk":
+                forward, turned = motion(seen[-2 * look :])
+                speed += EASE * (case.m_s - forward)
+                turn += EASE * (np.radians(case.deg_s) - turned)
+            speed = float(np.clip(speed, 0.1, gait.MAX_SPEED))
+            turn = float(np.clip(turn, *np.radians([-15.0, 15.0]))) if case.deg_s else 0.0
+            intent = walking(speed, turn)
+            operator.set_intent(intent)
+        tick = puppeteer.step(operator.read(k * CONTROL_DT))
+        seen.append(tick)
+        yield tick, intent
+
+
+def walking(speed: float, turn: float) -> Intent:
+    """What somebody means who wants this speed (m/s) and turn (rad/s): the slowest pace that has
+    it within its steps."""
+    for cadence in (1.5, 1.7, 1.9, 2.1, 2.3):
+        if gait.march_speed(cadence, 0.9, turn) >= speed:
+            break
+    lift = max(float(gait.march_lift(cadence, speed)), 0.2)
+    return Intent(
+        state="walk", task="styles", speed=speed, turn=turn, cadence=cadence, lift=min(lift, 1.0)
+    )
+
+
+def motion(ticks: list[Tick]) -> tuple[float, float]:
+    """Mean speed (m/s) along the robot's own heading, and mean turn (rad/s)."""
+    pos = np.array([tick.robot.base_pos[:2] for tick in ticks])
+    yaw = np.unwrap(spatial.heading(np.array([tick.robot.base_quat for tick in ticks])))
+    way, middle = np.diff(pos, axis=0), 0.5 * (yaw[1:] + yaw[:-1])
+    span = CONTROL_DT * (len(ticks) - 1)
+    forward = np.sum(np.cos(middle) * way[:, 0] + np.sin(middle) * way[:, 1])
+    return float(forward / span), float((yaw[-1] - yaw[0]) / span)

@@ -1,0 +1,248 @@
+"""Walking with manual features instead of a network: cadence, step height and trunk of a person who
+marches in place are read by rule as speed and turn, and the gait generator walks to them.
+
+    speed = fastest walk at this cadence * min(1, sqrt(cadence * step height / BRISK))
+    turn  = YAW_GAIN * trunk's yaw, or LEAN_GAIN * its sideways lean, whichever says more
+
+The paper's alternative for walking ("target velocities"); same interface as a trained expert.
+"""
+
+import math
+from collections import deque
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import spatial
+from studio.human.features import FEATURE_DIM
+from studio.human.skeleton import BONES
+from studio.reference import gait
+from studio.reference.intent import Intent
+from studio.reference.realize import Realizer
+from studio.retarget.mapper import NUM_RATES, RATES, Mapped
+from studio.robot.a1 import CONTROL_DT
+
+Array = NDArray[np.float64]
+
+FOOT_UP = 0.035
+"""m on the template's body: an ankle this far above the other has stepped ..."""
+UP_SHARE, DOWN_SHARE = 0.4, 0.25
+"""... and this share of the last step's height; it is back under this share of the step's own."""
+CADENCES = (0.3, 2.3)
+"""Strides a second that are believed."""
+FIRST_CADENCE = 0.9
+"""Strides a second until a second step tells."""
+HIGHEST, BRISK = 0.45, 0.45
+"""m: no step counts as higher. m/s: cadence times step height of somebody who means the fastest
+walk that the cadence allows. The rule errs by 0.03 m/s at 0.8 strides a second and by 0.15 m/s at
+1.5 (150 synthetic marchers of both families: people differ in how high they step)."""
+YAW_GAIN, YAW_DEAD = 0.58, math.radians(6.0)
+"""1/s and rad: turn for each radian of trunk yaw beyond a little, which is nobody's wish. On the
+same marchers it errs by 1.9 deg/s."""
+LEAN_GAIN, LEAN_DEAD = 1.0, math.radians(7.0)
+"""The same for sideways lean."""
+TURN_MAX = math.radians(15.0)
+PATIENCE = 1.6
+"""Half strides without a step after which nobody marches any more."""
+CATCH_UP = 4.0
+"""1/s, how soon the robot's phase closes in on the person's."""
+
+_L_ANKLE, _R_ANKLE = (3 * BONES.index(f"{side}_ankle") + 2 for side in "lr")
+_L_SHOULDER, _R_SHOULDER, _CHEST = (
+    slice(3 * BONES.index(name), 3 * BONES.index(name) + 3)
+    for name in ("l_shoulder", "r_shoulder", "chest")
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class March:
+    """What is read off a person in one control period.
+
+    phase: strides, its fraction as in `Intent`. cadence: strides/s, 0 when nobody marches.
+    step: m, height of the last steps. speed: m/s. turn: rad/s, > 0 left. lift: [0, 1].
+    """
+
+    phase: float
+    cadence: float
+    step: float
+    speed: float
+    turn: float
+    lift: float
+
+
+def speed_of(cadence: float, step: float) -> float:
+    """m/s meant by marching at `cadence` (strides/s) with feet `step` m above one another."""
+    return _share(cadence, step) * float(gait.speed_limit(cadence))
+
+
+def turn_of(yaw: float, lean: float) -> float:
+    """rad/s meant by a trunk turned by `yaw` and leant sideways by `lean` rad, both > 0 left."""
+    by_yaw, by_lean = YAW_GAIN * _beyond(yaw, YAW_DEAD), LEAN_GAIN * _beyond(lean, LEAN_DEAD)
+    turn = by_yaw if abs(by_yaw) >= abs(by_lean) else by_lean
+    return min(max(turn, -TURN_MAX), TURN_MAX)
+
+
+def trunk_of(q: Array) -> tuple[float, float]:
+    """(yaw, lean) of the trunk in rad, > 0 left, of the joints q (F,) in the heading frame."""
+    across, chest = q[_L_SHOULDER] - q[_R_SHOULDER], q[_CHEST]
+    return math.atan2(-across[0], across[1]), math.atan2(chest[1], chest[2])
+
+
+def _share(cadence: float, step: float) -> float:
+    return math.sqrt(min(1.0, cadence * min(step, HIGHEST) / BRISK))
+
+
+def _beyond(angle: float, dead: float) -> float:
+    return math.copysign(max(abs(angle) - dead, 0.0), angle)
+
+
+class MarchReader:
+    """Counts steps and times them; `step` once a control period. One thread."""
+
+    def __init__(self, dt: float = CONTROL_DT) -> None:
+        self._dt = dt
+        self._t = 0.0
+        self._up: int | None = None  # 0: the left foot is up, 1: the right one
+        self._foot: int | None = None  # which stepped last
+        self._at = -math.inf  # s of its step
+        self._half = 0.5 / FIRST_CADENCE  # s between the last steps
+        self._strides = 0.0  # of the last step: whole for the left foot, and a half for the right
+        self._phase = gait.REST_PHASE
+        self._peak, self._step = 0.0, 0.0
+        self._trunk: deque[tuple[float, float]] = deque(maxlen=round(1.0 / CADENCES[0] / dt))
+
+    def step(self, q: Array) -> March:
+        """Read one more frame: q (F,) of the person's features."""
+        self._t += self._dt
+        self._count(float(q[_L_ANKLE] - q[_R_ANKLE]))
+        marching = self._t - self._at < PATIENCE * self._half
+        if not marching:
+            self._step = 0.0
+        cadence = 0.5 / self._half if marching else 0.0
+        self._run_on(cadence)
+        self._trunk.append(trunk_of(q))
+        # A march sways the trunk: what is meant is the mean over a stride.
+        span = round(2.0 * self._half / self._dt)
+        yaw, lean = np.mean(list(self._trunk)[-span:], axis=0).tolist()
+        step = max(self._step, self._peak)
+        return March(
+            phase=self._phase,
+            cadence=cadence,
+            step=step if marching else 0.0,
+            speed=speed_of(cadence, step) if marching else 0.0,
+            turn=turn_of(yaw, lean) if marching else 0.0,
+            lift=_lift(cadence, step) if marching else 0.0,
+        )
+
+    def _count(self, above: float) -> None:
+        """Feet: `above` m is the left ankle's height over the right one's."""
+        if self._up is None:
+            if abs(above) > max(FOOT_UP, UP_SHARE * self._step):
+                self._up = 0 if above > 0.0 else 1
+                self._stepped(self._up)
+        elif abs(above) < DOWN_SHARE * self._peak or (above > 0.0) != (self._up == 0):
+            self._up = None
+            self._step = self._peak if self._step <= 0.0 else 0.5 * (self._step + self._peak)
+            self._peak = 0.0
+        if self._up is not None:
+            self._peak = max(self._peak, abs(above))
+
+    def _stepped(self, foot: int) -> None:
+        """A foot left the floor: where in the stride, and how long after the one before."""
+        gap = self._t - self._at
+        same = foot == self._foot
+        halves = 2 if same else 1
+        going = gap < PATIENCE * self._half * halves + 0.5
+        slow, quick = (0.5 / c for c in CADENCES)
+        if self._foot is None or not going:
+            self._half = 0.5 / FIRST_CADENCE
+            self._start(foot)
+        else:
+            half = min(max(gap / halves, quick), slow)
+            self._half = half if same else 0.5 * (self._half + half)
+            self._strides += 0.5 * halves
+        self._foot, self._at = foot, self._t
+
+    def _start(self, foot: int) -> None:
+        """All feet stand: the phase may leap to just before this foot's swing."""
+        # Further than half a stride, which the gait generator takes for a leap, not for a way.
+        self._strides = math.floor(self._phase) + 2.0 + 0.5 * foot
+        self._phase = self._strides - 0.5 + gait.REST_PHASE
+
+    def _run_on(self, cadence: float) -> None:
+        """The phase follows the person's, and waits with all feet down for a step that is late."""
+        if self._foot is None:
+            return
+        due = self._strides + min((self._t - self._at) * 0.5 / self._half, gait.REST_PHASE)
+        # Somebody who stops in the midst of a stride leaves no foot in the air.
+        pace = cadence or 0.5 / self._half
+        ahead = pace * self._dt + CATCH_UP * self._dt * (due - self._phase - pace * self._dt)
+        most = self._strides + gait.REST_PHASE
+        self._phase = min(self._phase + min(max(ahead, 0.0), 2.0 * pace * self._dt), most)
+
+
+def _lift(cadence: float, step: float) -> float:
+    """[0, 1], the clearance: the lift at which the gait generator means the same speed."""
+    return 1.0 - math.sqrt(1.0 - _share(cadence, step))
+
+
+class SemanticWalk:
+    """The walk expert of style "semantic": rules in place of weights, nothing to train."""
+
+    remembers = True
+
+    def begin(self) -> "SemanticStride":
+        """Start anew on somebody's march."""
+        return SemanticStride()
+
+    def __call__(self, triplet: NDArray) -> Mapped:
+        """Map frames (N, 3F) that follow one another by a control period, from standing on."""
+        stride = self.begin()
+        rows = [stride(row) for row in np.atleast_2d(triplet)]
+        return Mapped(
+            joint_pos=np.stack([row.joint_pos for row in rows]),
+            base_quat=np.stack([row.base_quat for row in rows]),
+            rates=np.stack([row.rates for row in rows]),
+            contact_prob=np.stack([row.contact_prob for row in rows]),
+        )
+
+
+class SemanticStride:
+    """One person's march in progress: reads them and walks on. One thread."""
+
+    remembers = True
+
+    def __init__(self) -> None:
+        self.reader, self._realizer = MarchReader(), Realizer()
+        self._yaw = 0.0
+
+    def __call__(self, triplet: NDArray) -> Mapped:
+        """One control period's triplet (3F,) to what an expert says of it."""
+        march = self.reader.step(np.asarray(triplet[:FEATURE_DIM], np.float64))
+        pose = self._realizer.step(
+            Intent(
+                state="walk",
+                task="semantic",
+                phase=march.phase,
+                cadence=march.cadence,
+                speed=march.speed,
+                turn=march.turn,
+                lift=march.lift,
+            )
+        )
+        yaw = float(spatial.heading(pose.base_quat))
+        turned = spatial.wrap_angle(yaw - self._yaw)
+        self._yaw = yaw
+        heading = np.array([math.cos(0.5 * yaw), 0.0, 0.0, math.sin(0.5 * yaw)])
+        rates = np.zeros(NUM_RATES)
+        rates[RATES["joint_vel"]] = pose.joint_vel
+        rates[RATES["base_lin_vel"]] = spatial.quat_rotate_inverse(heading, pose.base_lin_vel_w)
+        rates[RATES["base_ang_vel"]] = pose.base_ang_vel_b
+        return Mapped(
+            joint_pos=pose.joint_pos,
+            base_quat=spatial.quat_mul(spatial.quat_conj(heading), pose.base_quat),
+            rates=rates,
+            contact_prob=pose.foot_contact,
+            turn=float(turned) / CONTROL_DT,
+        )
