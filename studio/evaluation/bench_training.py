@@ -1,4 +1,4 @@
-"""What training costs on this machine as environments grow: bare physics, environment, PPO."""
+"""What training costs on this machine as work grows: a policy's environments, a mapper's pairs."""
 
 import json
 import subprocess
@@ -14,10 +14,16 @@ from studio.errors import StudioError
 from studio.imitation.bank import build_bank
 from studio.imitation.env import EnvConfig, ImitationEnv
 from studio.reference.stances import NEUTRAL
+from studio.retarget.store import load_experts
+from studio.robot.a1 import CONTROL_DT
 from studio.sim.batch import BatchConfig, BatchWorld
+from studio.training.collected import TakesTraining, split_pairs, train_state
+from studio.training.mapper import make_pairs
 
 SIZES = (64, 256, 1024, 4096)
 STATE = "walk"
+PAIRS = (500, 5_000, 50_000)
+EPOCHS = 10
 
 
 def training_rates(seconds: float, sizes: tuple[int, ...] = SIZES) -> list[dict[str, Any]]:
@@ -39,6 +45,33 @@ def training_rates(seconds: float, sizes: tuple[int, ...] = SIZES) -> list[dict[
         )
     rows.append({"num_envs": 512, "ppo_per_s": ppo_rate()})
     return rows
+
+
+def mapper_growth(sizes: tuple[int, ...] = PAIRS, epochs: int = EPOCHS) -> dict[str, Any]:
+    """Seconds from pairs to a scored mapper at each size, each pair learnt from `epochs` times.
+
+    Holding out, learning, and scoring beside nearest pair and ridge, as `train mapper --takes`
+    does it. exponent: slope of log seconds over log pairs between the two largest; 1 is linear.
+    """
+    pairs = make_pairs(STATE, 1.3 * max(sizes) * CONTROL_DT, seed=0)
+    shipped = load_experts("march").mappers
+    rows: list[dict[str, Any]] = []
+    for size in (sizes[0], *sizes):  # the first one twice: to warm up
+        some = pairs.take(np.arange(size))
+        split = split_pairs({f"t{i}": some.take(rows) for i, rows in enumerate(_fifths(size))})
+        config = TakesTraining(
+            steps=max(1, epochs * len(split.known) // TakesTraining.batch), start="scratch"
+        )
+        began = time.perf_counter()
+        train_state(STATE, split, config, shipped, lambda _: None)
+        rows.append({"pairs": size, "steps": config.steps, "seconds": time.perf_counter() - began})
+    rows = rows[1:]
+    (n, s), (m, t) = ((row["pairs"], row["seconds"]) for row in rows[-2:])
+    return {"epochs": epochs, "rows": rows, "exponent": float(np.log(t / s) / np.log(m / n))}
+
+
+def _fifths(count: int) -> list[np.ndarray]:
+    return np.array_split(np.arange(count), 5)
 
 
 def physics_rate(num_envs: int, seconds: float) -> float:

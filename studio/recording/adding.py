@@ -8,7 +8,7 @@ from studio.errors import StudioError
 from studio.recording.edits import EDITS
 from studio.recording.names import take_folder
 from studio.recording.recorder import META, TAPE
-from studio.recording.take import read_take
+from studio.recording.take import survey_take
 
 
 def add_take(root: Path, folder: Path, name: str | None = None, *, link: bool = False) -> str:
@@ -18,7 +18,7 @@ def add_take(root: Path, folder: Path, name: str | None = None, *, link: bool = 
     """
     source = Path(folder)
     if not link:
-        read_take(source)  # refuses what is no take, or of another version
+        survey_take(source)  # refuses what is no take, or of another version
     name = name or source.name
     target = take_folder(root, name)
     if target.exists():

@@ -25,19 +25,20 @@ class SessionLibrary:
 
     def __init__(self, root: Path) -> None:
         self.root = Path(root)
+        self._index = index.Index(self.root)
 
     def list(self) -> list[TakeInfo]:
         """Every take, newest name last. An unreadable one is listed with its problem."""
-        old = index.load(self.root)
-        new: dict[str, tuple[index.Key, TakeInfo]] = {}
-        for name, key in index.folders(self.root).items():
+        old = self._index.load()
+        new: index.Known = {}
+        for name, key in index.folders(self.root, old).items():
             known = old.get(name)
             if known is not None and known[0] == key and not known[1].recording:
                 new[name] = known
             else:
                 new[name] = (key, examine(self.root / name))
-        if new.keys() != old.keys() or any(new[name] is not old[name] for name in new):
-            index.save(self.root, new)
+        if len(new) != len(old) or any(new[name] is not old.get(name) for name in new):
+            self._index.save(new)
         return [new[name][1] for name in sorted(new)]
 
     def info(self, name: str) -> TakeInfo:

@@ -3,7 +3,7 @@
 import contextlib
 import fcntl
 import os
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,7 @@ from studio.errors import StudioError
 from studio.recording import edits as edit_log
 from studio.recording.edits import EditLog
 from studio.recording.recorder import META, TAPE
-from studio.recording.take import read_meta, read_take
+from studio.recording.take import read_meta, survey_take
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +42,7 @@ class TakeInfo:
 
     def as_dict(self) -> dict[str, Any]:
         """Plain values, as contract.md's GET /api/takes gives them."""
-        return asdict(self)
+        return {name: getattr(self, name) for name in self.__dataclass_fields__}  # asdict copies
 
 
 def examine(folder: Path) -> TakeInfo:
@@ -63,13 +63,13 @@ def examine(folder: Path) -> TakeInfo:
     if "ticks" in meta or recording:
         return _info(folder, meta, edits, complete="ticks" in meta, recording=recording)
     try:
-        take = read_take(folder)
+        take = survey_take(folder)
     except StudioError as error:
         return _info(folder, meta, edits, problems=(str(error),))
-    meta = meta | {"ticks": len(take), "seconds": take.seconds}
+    meta = meta | {"ticks": take.ticks, "seconds": take.seconds}
     return _info(
-        folder, meta, edits, complete=take.complete, recovered=take.recovered,
-        problems=take.problems[: len(take.problems) - len(edits.problems)],
+        folder, meta, edits, complete=take.complete, recovered=not take.complete,
+        problems=take.problems,
     )  # fmt: skip
 
 
@@ -126,14 +126,14 @@ def verified(folder: Path) -> dict[str, Any]:
     out: dict[str, Any] = {"name": folder.name, "ticks": 0, "seconds": 0.0}
     out |= {"complete": False, "recovered": False, "readable": False}
     try:
-        take = read_take(folder)
+        take = survey_take(folder)
     except StudioError as error:
         return out | {"problems": [str(error)]}
     return out | {
-        "ticks": len(take),
+        "ticks": take.ticks,
         "seconds": round(take.seconds, 6),
         "complete": take.complete,
-        "recovered": take.recovered,
+        "recovered": not take.complete,
         "readable": True,
-        "problems": list(take.problems),
+        "problems": [*take.problems, *edit_log.read_edits(folder).problems],
     }

@@ -21,7 +21,7 @@ from studio.recording.tick import Tick
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotState
 
-__all__ = ["Recorder", "Take", "TakeArrays", "iter_ticks", "read_meta", "read_take"]
+__all__ = ["Recorder", "Take", "TakeArrays", "iter_ticks", "read_meta", "read_take", "survey_take"]
 
 Array = NDArray[np.float64]
 log = logging.getLogger(__name__)
@@ -139,21 +139,35 @@ def read_meta(folder: Path) -> dict[str, Any]:
     return meta
 
 
+@dataclass(frozen=True, kw_only=True)
+class Survey:
+    """What a tape holds, without holding it: fields as in Take."""
+
+    ticks: int
+    complete: bool
+    problems: tuple[str, ...]
+
+    @property
+    def seconds(self) -> float:
+        """Duration, s."""
+        return self.ticks / a1.CONTROL_HZ
+
+
+def survey_take(path: Path) -> Survey:
+    """Read a take's folder (or its tape) tick by tick, in bounded memory. Errors as `read_take`."""
+    folder, meta, problems = _open(path)
+    found = TapeScan()
+    count = sum(1 for _ in _assemble(folder / TAPE, found))
+    problems += _troubles(found, meta, count)
+    return Survey(ticks=count, complete=found.complete, problems=tuple(problems))
+
+
 def read_take(path: Path) -> Take:
     """Read a take's folder (or its tape). A torn or damaged end is left out and told of.
 
     Raises StudioError when nothing can be read: no take, no tape, another major version.
     """
-    folder = Path(path)
-    folder = folder.parent if folder.name == TAPE else folder
-    if not folder.is_dir():
-        raise StudioError(f"there is no take at {folder}")
-    problems: list[str] = []
-    try:
-        meta = read_meta(folder)
-    except _MetaLost:
-        meta = {}
-        problems.append(f"{META} is {'damaged' if (folder / META).exists() else 'missing'}")
+    folder, meta, problems = _open(path)
     found = TapeScan()
     ticks: list[Tick] = []
     human_tick: list[int] = []
@@ -161,13 +175,7 @@ def read_take(path: Path) -> Take:
         ticks.append(tick)
         if fresh:
             human_tick.append(n)
-    if found.problem:
-        problems.append(found.problem)
-    elif not found.complete:
-        problems.append("it was not stopped properly")
-    asked = meta.get("ticks", len(ticks))
-    if asked != len(ticks):
-        problems.append(f"{asked} ticks were recorded, {len(ticks)} can be read")
+    problems += _troubles(found, meta, len(ticks))
     log_edits = read_edits(folder)
     return Take(
         name=folder.name,
@@ -181,6 +189,30 @@ def read_take(path: Path) -> Take:
         recovered=not found.complete,
         problems=tuple(problems) + log_edits.problems,
     )
+
+
+def _open(path: Path) -> tuple[Path, dict[str, Any], list[str]]:
+    """A take's folder, its meta.json ({} where it is lost), and what is wrong with that."""
+    folder = Path(path)
+    folder = folder.parent if folder.name == TAPE else folder
+    if not folder.is_dir():
+        raise StudioError(f"there is no take at {folder}")
+    try:
+        return folder, read_meta(folder), []
+    except _MetaLost:
+        return folder, {}, [f"{META} is {'damaged' if (folder / META).exists() else 'missing'}"]
+
+
+def _troubles(found: TapeScan, meta: dict[str, Any], count: int) -> list[str]:
+    problems = []
+    if found.problem:
+        problems.append(found.problem)
+    elif not found.complete:
+        problems.append("it was not stopped properly")
+    asked = meta.get("ticks", count)
+    if asked != count:
+        problems.append(f"{asked} ticks were recorded, {count} can be read")
+    return problems
 
 
 def iter_ticks(path: Path, found: TapeScan | None = None) -> Iterator[Tick]:
