@@ -56,7 +56,12 @@ def publish(config: Publish) -> dict[str, Any]:
     ):
         shutil.copy(run / source, stage / name)
     rows = run_tracking(
-        config.episodes, config.seed, states=(config.state,), models=stage, threads=config.threads
+        config.episodes,
+        config.seed,
+        states=(config.state,),
+        controllers=("stand_still", "pd_playback", "policy"),
+        models=stage,
+        threads=config.threads,
     )["rows"]
     scores = {row["controller"]: {k: row[k] for k in row if _kept(k)} for row in rows}
     worse = [name for name in SCORES if not _better(scores, name)]

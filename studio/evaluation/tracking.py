@@ -7,7 +7,7 @@ errors stand beside it. Every controller meets the same references, dynamics and
 import hashlib
 import logging
 import subprocess
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, cast
 
@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from rich.progress import Progress
 
 from studio.errors import StudioError, unknown_name
+from studio.evaluation.contenders import CONTROLLERS, Contender, contender
 from studio.imitation import episodes as simulate
-from studio.imitation.bank import build_bank, task_names
-from studio.imitation.policy import MODELS, Policy
+from studio.imitation.bank import MotionBank, build_bank, task_names
+from studio.imitation.policy import MODELS
 from studio.metrics import bootstrap_ci
 from studio.reference.intent import STATES, StateName
 
@@ -29,7 +30,8 @@ CHUNK = 256
 """Episodes simulated side by side; what is cached and resumed."""
 HELD_OUT = 10_000
 """Added to the seed of the motions: training's banks use seeds below it."""
-CONTROLLERS = ("stand_still", "pd_playback", "policy")
+CACHE = Path("runs/evaluate")
+Motions = Callable[[StateName, int, int], MotionBank]
 
 # Name in a row: (figure of an episode, from the mean to the row's unit).
 _FIGURES: dict[str, tuple[str, Callable[[float], float]]] = {
@@ -58,48 +60,78 @@ def run_tracking(
     controllers: Sequence[str] | str = CONTROLLERS,
     threads: int | str = 0,
     models: Path = MODELS,
-    cache: Path | None = Path("runs/evaluate"),
+    cache: Path | None = CACHE,
     progress: bool = True,
 ) -> dict[str, Any]:
     """`{"rows": [...]}`, a row per state and controller, each figure with its 95 % `*_ci`.
 
-    Rows of policies that are not trained (STATE.safetensors in `models`) are left out. Chunks of
-    episodes are kept in `cache`: a run that was cut off goes on where it stopped. From the command
-    line states and controllers are names with commas between. StudioError for unknown names.
+    Rows of policies that are not trained are left out. Chunks of episodes are kept in `cache`: a
+    run that was cut off goes on where it stopped. From the command line states and controllers are
+    names with commas between. StudioError for unknown names.
     """
-    wanted = cast(list[StateName], _names("state", states, STATES))
-    controllers = _names("controller", controllers, CONTROLLERS)
-    threads = int(threads)
+    wanted = cast(list[StateName], names_of("state", states, STATES))
+    chosen = names_of("controller", controllers, CONTROLLERS)
+    jobs = [(s, contender(c, s, models)) for s in wanted for c in chosen]
+    present = [(s, c) for s, c in jobs if c is not None]
+    return {"rows": compare(present, episodes, seed, int(threads), cache, progress)}
+
+
+def compare(
+    jobs: Sequence[tuple[StateName, Contender]],
+    episodes: int,
+    seed: int,
+    threads: int = 0,
+    cache: Path | None = CACHE,
+    progress: bool = True,
+    motions: Motions | None = None,
+) -> list[dict[str, Any]]:
+    """A row for each state and contender, on the same held-out motions, dynamics and noise.
+
+    motions: draws a chunk's bank from (state, number of episodes, seed); None: the library's.
+    """
     if episodes < 1:
-        raise StudioError("evaluate tracking needs --episodes of at least 1")
-    jobs = [
-        (s, c)
-        for s in wanted
-        for c in controllers
-        if c != "policy" or (models / f"{s}.safetensors").exists()
-    ]
-    rows = []
+        raise StudioError("an evaluation needs --episodes of at least 1")
+    motions = motions or library
+    parts: list[list[dict[str, Array]]] = [[] for _ in jobs]
     with Progress(disable=not progress, transient=True) as bar:
-        task = bar.add_task("tracking", total=len(jobs) * episodes)
-        for state, controller in jobs:
-            bar.update(task, description=f"{state} {controller}")
-            parts = []
-            for part in _chunks(
-                cast(StateName, state), controller, episodes, seed, threads, models, cache
-            ):
-                parts.append(part)
-                bar.advance(task, len(part["success_time"]))
-            figures = {k: np.concatenate([p[k] for p in parts]) for k in parts[0]}
-            rows.append(_row(state, controller, seed, figures))
-    return {"rows": rows}
+        task = bar.add_task("episodes", total=len(jobs) * episodes)
+        # Chunks outside, so that those who meet the same motions share them.
+        for chunk, begin in enumerate(range(0, episodes, CHUNK)):
+            num = min(CHUNK, episodes - begin)
+            banks: dict[StateName, MotionBank] = {}
+            for (state, who), part in zip(jobs, parts, strict=True):
+                bar.update(task, description=f"{state} {who.name}")
+                file = _file(cache, motions, state, who, num, seed, chunk)
+                if file is None or not file.exists():
+                    if state not in banks:
+                        banks = {state: motions(state, num, HELD_OUT + 1000 * seed + chunk)}
+                    env = who.environment(banks[state], num, 1000 * seed + chunk, threads)
+                    part.append(simulate.run_episodes(env, who.act))
+                    _keep(file, part[-1])
+                else:
+                    with np.load(file) as saved:
+                        part.append({k: saved[k] for k in saved.files})
+                bar.advance(task, num)
+    figures = [{k: np.concatenate([p[k] for p in part]) for k in part[0]} for part in parts]
+    return [
+        _row(state, who.name, seed, each) for (state, who), each in zip(jobs, figures, strict=True)
+    ]
 
 
-def _names(kind: str, given: Sequence[str] | str, known: Sequence[str]) -> list[str]:
+def names_of(kind: str, given: Sequence[str] | str, known: Sequence[str]) -> list[str]:
+    """Names given one by one or with commas between. StudioError for one that is not known."""
     names = given.split(",") if isinstance(given, str) else list(given)
     for name in names:
         if name not in known:
             raise unknown_name(kind, name, known)
     return names
+
+
+def library(state: StateName, num: int, seed: int) -> MotionBank:
+    """At least `num` held-out motions of a state's tasks, at full range."""
+    tasks = len(task_names(state))
+    banks = CACHE / "banks"
+    return build_bank(state, per_task=-(-num // tasks), seed=seed, difficulties=(1.0,), cache=banks)
 
 
 def _row(state: str, controller: str, seed: int, figures: dict[str, Array]) -> dict[str, Any]:
@@ -117,50 +149,28 @@ def _row(state: str, controller: str, seed: int, figures: dict[str, Array]) -> d
     return row
 
 
-def _chunks(
-    state: StateName,
-    controller: str,
-    episodes: int,
-    seed: int,
-    threads: int,
-    models: Path,
+def _file(
     cache: Path | None,
-) -> Iterator[dict[str, Array]]:
-    """Per-episode figures, chunk by chunk, from the cache where it has them."""
-    tasks = len(task_names(state))
-    for chunk, start in enumerate(range(0, episodes, CHUNK)):
-        num = min(CHUNK, episodes - start)
-        file = None
-        if cache:
-            key = _code()
-            if controller == "policy":
-                key += hashlib.sha256((models / f"{state}.safetensors").read_bytes()).hexdigest()
-            name = f"{state}-{controller}-{num}-{seed}-{chunk}"
-            file = cache / f"tracking-{name}-{hashlib.sha256(key.encode()).hexdigest()[:12]}.npz"
-            if file.exists():
-                with np.load(file) as saved:
-                    yield {k: saved[k] for k in saved.files}
-                continue
-        bank = build_bank(
-            state,
-            per_task=-(-num // tasks),
-            seed=HELD_OUT + 1000 * seed + chunk,
-            difficulties=(1.0,),
-        )
-        env = simulate.evaluation_env(bank, num, 1000 * seed + chunk, threads=threads)
-        figures = simulate.run_episodes(env, _act(state, controller, models))
-        if file:
-            file.parent.mkdir(parents=True, exist_ok=True)
-            scratch = file.with_suffix(".tmp.npz")
-            np.savez(scratch, **figures)  # type: ignore[arg-type]
-            scratch.rename(file)
-        yield figures
+    motions: Motions,
+    state: StateName,
+    who: Contender,
+    num: int,
+    seed: int,
+    chunk: int,
+) -> Path | None:
+    """Where a chunk's per-episode figures are kept."""
+    if cache is None:
+        return None
+    key = hashlib.sha256((_code() + who.digest).encode()).hexdigest()[:12]
+    return cache / f"{motions.__name__}-{state}-{who.name}-{num}-{seed}-{chunk}-{key}.npz"
 
 
-def _act(state: StateName, controller: str, models: Path) -> simulate.Act:
-    if controller == "policy":
-        return simulate.policy_of(Policy.load(models / f"{state}.safetensors"))
-    return {"stand_still": simulate.stand_still, "pd_playback": simulate.pd_playback}[controller]
+def _keep(file: Path | None, figures: dict[str, Array]) -> None:
+    if file:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        scratch = file.with_suffix(".tmp.npz")
+        np.savez(scratch, **figures)  # type: ignore[arg-type]
+        scratch.rename(file)
 
 
 def _code() -> str:

@@ -32,7 +32,8 @@ class MotionBank:
 
     feet: (M, T, 4, 3) m, base-relative in the levelled heading frame. feature: (M, T, 18), p̄.
     yaw: (M, T) rad heading of the levelled trunk. task: (M,) index into `tasks`; difficulty: (M,).
-    leg_contact: some motion rests on calves or thighs.
+    leg_contact: some motion rests on calves or thighs. seen: (M, T, 18), p̄ as the policy sees it,
+    None for `feature` with the environment's noise.
     """
 
     state: StateName
@@ -50,6 +51,7 @@ class MotionBank:
     task: NDArray[np.intp]
     difficulty: Array
     leg_contact: bool = False
+    seen: Array | None = None
 
     def __len__(self) -> int:
         return len(self.task)

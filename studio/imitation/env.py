@@ -20,6 +20,7 @@ from studio.imitation.observation import (
     level_quat,
     sensor_frame,
 )
+from studio.imitation.odometry import CONTACT_GAP
 from studio.imitation.reward import RewardConfig
 from studio.robot import a1, kinematics
 from studio.sim import randomize
@@ -40,9 +41,9 @@ class EnvConfig:
 
     anchor_tau, anchor_yaw_tau: s, leak of the re-anchored root's place and heading. leg_contact:
     calves and thighs touch the floor, None for where the bank needs it. push: m/s, largest kick, at
-    full randomisation, and push_every its mean interval in s. noise_scale: of reference noise. evaluation: motions in
-    order from their first frame, no kicks, and nobody begins anew: whatever a controller does, it
-    meets the same references, dynamics and noise.
+    full randomisation, and push_every its mean interval in s. noise_scale: of reference noise.
+    evaluation: motions in order from their first frame, no kicks, and nobody begins anew: whatever
+    a controller does, it meets the same references, dynamics and noise.
     """
 
     num_envs: int = 512
@@ -241,7 +242,10 @@ class ImitationEnv:
         self.bias[ids] = stage.randomisation * sigma * rng.standard_normal((n, 14))
         clean = bank.feature[m, self.frame[ids]]
         self._noisy[ids] = self.noise.reset(ids, clean, self.config.noise_scale)
-        self.history.reset(ids, self._sensors()[ids], self._noisy[ids])
+        if bank.seen is not None:
+            self._noisy[ids] = bank.seen[m, self.frame[ids]]
+        contact = self._foot_sensors()[ids]
+        self.history.reset(ids, self._sensors()[ids], self._noisy[ids], contact)
 
     def _reset_lowpass(self, ids: NDArray[np.intp], value: Array) -> None:
         where = np.zeros(self.num_envs, dtype=bool)
@@ -285,8 +289,17 @@ class ImitationEnv:
         return z
 
     def _sense(self) -> None:
-        self._noisy = self.noise.step(self.bank.feature[self.motion, self.frame])
-        self.history.push(self._sensors(), self._noisy)
+        bank, at = self.bank, (self.motion, self.frame)
+        self._noisy = self.noise.step(bank.feature[at]) if bank.seen is None else bank.seen[at]
+        self.history.push(self._sensors(), self._noisy, self._foot_sensors())
+
+    def _foot_sensors(self) -> Array:
+        """(N, 4) which feet touch the ground; only read where the place is held."""
+        if not self.config.observation.place_gain:
+            return np.zeros((self.num_envs, 4))
+        w = self.world
+        feet = kinematics.foot_pos_w(w.base_pos, w.base_quat, w.joint_pos)
+        return (feet[..., 2] < a1.FOOT_RADIUS + CONTACT_GAP).astype(np.float64)
 
     def _advance_anchor(self) -> None:
         """Move the anchored reference by the reference's own velocity of this period."""

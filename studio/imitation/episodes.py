@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from studio.imitation.bank import MotionBank
 from studio.imitation.curriculum import Curriculum, Stage
 from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.observation import Foresee
 from studio.imitation.policy import Policy
 from studio.robot import a1, kinematics
 
@@ -59,6 +60,7 @@ def evaluation_env(
     noise: float = 1.0,
     threads: int = 0,
     settings: EnvConfig | None = None,
+    foresee: Foresee | None = None,
 ) -> ImitationEnv:
     """`num` episodes of the bank's motions from their first frame, dynamics from Table I."""
     stage = Stage(
@@ -71,7 +73,8 @@ def evaluation_env(
         evaluation=True,
         noise_scale=noise,
     )
-    return ImitationEnv(config, bank, seed=seed, curriculum=Curriculum(ladder=[stage]))
+    curriculum = Curriculum(ladder=[stage])
+    return ImitationEnv(config, bank, seed=seed, curriculum=curriculum, foresee=foresee)
 
 
 def run_episodes(env: ImitationEnv, act: Act) -> dict[str, Array]:

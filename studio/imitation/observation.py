@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from studio import spatial
 from studio.errors import StudioError
+from studio.imitation import odometry
 from studio.reference.intent import StateName
 from studio.robot import a1
 
@@ -28,10 +29,12 @@ MEMORY = 15
 """Frames of the reference, half a second, from which its future is foreseen."""
 ACTION_DIM = 12
 REFERENCE_DIM = 18
-YAW_RATE, GYRO_YAW = 15, 16
-"""Places of the yaw rate in p̄ and in z."""
+YAW_RATE, VELOCITY, GYRO_YAW = 15, slice(16, 18), 16
+"""Places of yaw rate and planar velocity in p̄, and of the yaw rate in z."""
 HEADING_CLIP = 0.35
 """rad; a larger error (a robot turned by hand, a fall) is not made up for."""
+PLACE_CLIP = 0.25
+"""m, likewise."""
 FutureKind = Literal["predicted", "true"]
 
 
@@ -136,21 +139,23 @@ def reference_frame(
 class ObservationConfig:
     """What the policy sees.
 
-    yaw_rate: add the gyro's yaw rate to z (the paper: no). heading_gain: 1/s, how much of the
-    heading error (see `History`) is added to the reference's yaw rate, 0 for none; heading_tau: s
-    in which an error is forgotten. future: control periods ahead of which p̄ is appended, foreseen
-    from the past ("predicted") or given away ("true", which only a simulation can).
+    yaw_rate: add the gyro's yaw rate to z (the paper: no). heading_gain, place_gain: 1/s, how much
+    of the errors of heading and place (see `History`) is added to the reference's yaw rate and
+    velocity, 0 for none; hold_tau: s in which an error is forgotten. future: control periods ahead
+    of which p̄ is appended, foreseen from the past ("predicted") or given away ("true", which only
+    a simulation can).
     """
 
     yaw_rate: bool = True
     heading_gain: float = 0.0
-    heading_tau: float = 5.0
+    place_gain: float = 0.0
+    hold_tau: float = 5.0
     future: tuple[int, ...] = ()
     future_kind: FutureKind = "predicted"
 
     def __post_init__(self) -> None:
-        if self.heading_gain and not self.yaw_rate:
-            raise StudioError("holding the heading needs the gyro's yaw rate: leave yaw_rate on")
+        if (self.heading_gain or self.place_gain) and not self.yaw_rate:
+            raise StudioError("holding heading or place needs the gyro's yaw rate: leave it on")
         object.__setattr__(self, "future", tuple(self.future))  # a list, from JSON
 
     @property
@@ -168,8 +173,8 @@ class ObservationConfig:
         """Name, frames and length of each block in order, for whoever runs the policy alone."""
         z = "joint_pos[12] roll pitch roll_rate pitch_rate" + (" yaw_rate" if self.yaw_rate else "")
         p = "joint_pos[12] base_height roll pitch yaw_rate vel_forward vel_left"
-        if self.heading_gain:
-            p += " (yaw_rate += heading_gain * heading error)"
+        if self.heading_gain or self.place_gain:
+            p += " (yaw_rate and vel += gain * error of heading and place)"
         blocks: list[dict[str, object]] = [
             {"name": "z", "frames": "t-3..t", "fields": z, "size": FRAMES * self.sensor_dim},
             {"name": "a", "frames": "t-3..t-1", "fields": "action[12]", "size": 36},
@@ -185,10 +190,12 @@ class ObservationConfig:
 class History:
     """The last frames of N robots; one thread only.
 
-    With a heading gain g the reference's yaw rate ψ̄' enters as ψ̄' + g e, where e is how much less
-    the robot has turned than it was asked to, by the gyro alone, forgotten with a time constant τ:
+    With gains g the reference's yaw rate ψ̄' and velocity v̄ enter as ψ̄' + g e and v̄ + g d, where e
+    and d say how much less the robot has turned and gone than it was asked to, by its gyro and its
+    legs (`odometry`) alone, forgotten with a time constant τ:
 
-        e ← (1 − Δt/τ) (e + (ψ̄' − ω_z) Δt),  |e| ≤ HEADING_CLIP
+        e ← (1 − Δt/τ) (e + (ψ̄' − ω_z) Δt),                     |e| ≤ HEADING_CLIP
+        d ← (1 − Δt/τ) (R(−ω_z Δt) d + R(e) v̄ Δt − odometry),    ‖d‖ ≤ PLACE_CLIP
 
     foresee: (N, MEMORY, 18) past references, newest last → (N, 18 · len(future)), where the
     configuration asks for a predicted future.
@@ -206,31 +213,53 @@ class History:
         self._foresee = foresee if predicted else None
         self._past = np.zeros((num_envs, MEMORY if predicted else FRAMES, REFERENCE_DIM))
         self.heading_error = np.zeros(num_envs)
+        self.place_error = np.zeros((num_envs, 2))
+        self._feet = np.zeros((num_envs, 4, 3))
+        self._stood = np.zeros((num_envs, 4))
 
     @property
     def reference(self) -> Array:
         """(N, FRAMES, 18), oldest first."""
         return self._past[:, -FRAMES:]
 
-    def reset(self, ids: NDArray[np.intp] | slice, z: Array, reference: Array) -> None:
-        """Fill the history of `ids` with one frame and no action."""
+    def reset(
+        self, ids: NDArray[np.intp] | slice, z: Array, reference: Array, contact: Array
+    ) -> None:
+        """Fill the history of `ids` with one frame and no action; contact: (n, 4) of the feet."""
         self.z[ids] = z[:, None]
         self._past[ids] = reference[:, None]
         self.actions[ids] = 0.0
         self.heading_error[ids] = 0.0
+        self.place_error[ids] = 0.0
+        if self.config.place_gain:
+            self._feet[ids], self._stood[ids] = _level_feet(z), contact
 
-    def push(self, z: Array, reference: Array) -> None:
-        """A new frame of every robot."""
+    def push(self, z: Array, reference: Array, contact: Array) -> None:
+        """A new frame of every robot; contact: (N, 4) 1 where a foot's sensor feels the ground."""
         self.z[:, :-1] = self.z[:, 1:]
         self.z[:, -1] = z
         self._past[:, :-1] = self._past[:, 1:]
         self._past[:, -1] = reference
-        gain, tau = self.config.heading_gain, self.config.heading_tau
-        if gain:
-            missed = (reference[:, YAW_RATE] - z[:, GYRO_YAW]) * a1.CONTROL_DT
-            error = (1.0 - a1.CONTROL_DT / tau) * (self.heading_error + missed)
-            self.heading_error = np.minimum(np.maximum(error, -HEADING_CLIP), HEADING_CLIP)
-            self._past[:, -1, YAW_RATE] += gain * self.heading_error
+        if self.config.heading_gain or self.config.place_gain:
+            self._hold(z, reference, contact)
+
+    def _hold(self, z: Array, reference: Array, contact: Array) -> None:
+        """What the robot has missed, and the newest reference with it made up for."""
+        config, dt = self.config, a1.CONTROL_DT
+        keep = 1.0 - dt / config.hold_tau
+        turn = z[:, GYRO_YAW] * dt
+        error = keep * (self.heading_error + reference[:, YAW_RATE] * dt - turn)
+        self.heading_error = np.minimum(np.maximum(error, -HEADING_CLIP), HEADING_CLIP)
+        self._past[:, -1, YAW_RATE] += config.heading_gain * self.heading_error
+        if config.place_gain:
+            feet = _level_feet(z)
+            asked = odometry.turned(reference[:, VELOCITY] * dt, self.heading_error)
+            gone = odometry.displacement(self._feet, feet, turn, self._stood * contact)
+            self._feet, self._stood = feet, contact
+            error = keep * (odometry.turned(self.place_error, -turn) + asked - gone)
+            size = np.hypot(error[:, 0], error[:, 1])[:, None]
+            self.place_error = error * (PLACE_CLIP / np.maximum(size, PLACE_CLIP))
+            self._past[:, -1, VELOCITY] += config.place_gain * self.place_error
 
     def push_action(self, action: Array) -> None:
         """The action (N, 12) decided on the present observation."""
@@ -248,3 +277,7 @@ class History:
             assert future is not None
             parts.append(future)
         return np.concatenate(parts, axis=1, dtype=np.float32)
+
+
+def _level_feet(z: Array) -> Array:
+    return odometry.level_feet(z[:, :12], z[:, 12], z[:, 13])

@@ -81,7 +81,7 @@ class Policy:
     def reset(self, reference: ReferencePose, robot: RobotState) -> None:
         """Forget the past; the history is filled with the present."""
         z, p = self._frames(reference, robot)
-        self.history.reset(slice(None), z, p)
+        self.history.reset(slice(None), z, p, robot.foot_contact[None])
         self._begun = False
 
     def action(self, reference: ReferencePose, robot: RobotState) -> Array:
@@ -94,10 +94,10 @@ class Policy:
             raise StudioError("this policy needs the true future: only `evaluate` can give it that")
         z, p = self._frames(reference, robot)
         if self._begun:
-            self.history.push(z, p)
+            self.history.push(z, p, robot.foot_contact[None])
         else:
             # The first frame of an episode fills the history, as in training.
-            self.history.reset(slice(None), z, p)
+            self.history.reset(slice(None), z, p, robot.foot_contact[None])
             self._begun = True
         output = clip_action(self.network(self.history.observation()).astype(np.float64))
         self.history.push_action(output)

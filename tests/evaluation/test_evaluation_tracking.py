@@ -41,7 +41,7 @@ def test_rows_carry_every_figure_with_its_interval_and_come_from_the_cache(tmp_p
 
 
 def test_unknown_names_list_the_known_ones() -> None:
-    with pytest.raises(StudioError, match="pd_playback, policy, stand_still"):
+    with pytest.raises(StudioError, match="pd_playback, policy, policy_true_future, stand_still"):
         run_tracking(1, controllers=("juggle",))
     with pytest.raises(StudioError, match="sit, stand, walk"):
         run_tracking(1, states="fly")

@@ -1,0 +1,61 @@
+"""How safely each state is entered from the others, under Table I: PD playback and the policies.
+
+Every episode begins in the period in which the goal's policy takes over, out of a random motion of
+the source, and goes on in the goal for the rest of its 10 s.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from studio.evaluation.contenders import contender
+from studio.evaluation.tracking import CACHE, Motions, compare
+from studio.imitation.bank import MotionBank, assemble, warp
+from studio.imitation.crossing import SOURCES, crossing, rests_on_legs
+from studio.imitation.policy import MODELS
+from studio.reference.intent import StateName
+from studio.robot import a1
+
+SECONDS = 10.0
+CONTROLLERS = ("pd_playback", "policy")
+
+
+def crossings_from(source: StateName) -> Motions:
+    """Draws a bank of crossings out of one state."""
+
+    def draw(state: StateName, num: int, seed: int) -> MotionBank:
+        rng = np.random.default_rng([seed, 7])
+        frames = round(SECONDS * a1.CONTROL_HZ) + 1
+        motions = [
+            warp(crossing(source, state, rng, SECONDS + 0.2), 1.0, frames) for _ in range(num)
+        ]
+        bank = assemble(state, (f"from_{source}",), motions, [1.0] * num)
+        return replace(bank, leg_contact=rests_on_legs(state))
+
+    draw.__name__ = f"from_{source}"
+    return draw
+
+
+def run_transitions(
+    episodes: int = 256,
+    seed: int = 0,
+    *,
+    controllers: Sequence[str] = CONTROLLERS,
+    threads: int = 0,
+    models: Path = MODELS,
+    cache: Path | None = CACHE,
+    progress: bool = True,
+) -> dict[str, Any]:
+    """`{"rows": [...]}` as `tracking` has them, a row per way between two states and controller."""
+    rows = []
+    for goal, sources in SOURCES.items():
+        for source in sources:
+            present = [(goal, contender(name, goal, models)) for name in controllers]
+            jobs = [(state, who) for state, who in present if who is not None]
+            motions = crossings_from(cast(StateName, source))
+            done = compare(jobs, episodes, seed, threads, cache, progress, motions)
+            rows += [{"from": source, "to": goal, **row} for row in done]
+    return {"rows": rows}
