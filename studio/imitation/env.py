@@ -115,8 +115,12 @@ class ImitationEnv:
 
     def restart(self) -> None:
         """Begin everything anew under the curriculum as it stands now (after a resume)."""
-        self._choices = self.bank.choices(self.curriculum.stage)
+        self.follow_curriculum()
         self.reset()
+
+    def follow_curriculum(self) -> None:
+        """Draw from the curriculum's present stage from the next episodes on."""
+        self._choices = self.bank.choices(self.curriculum.stage)
 
     def step(
         self, action: Array, target: Array | None = None
@@ -156,7 +160,7 @@ class ImitationEnv:
             )
             extras["stage_changed"] = self.curriculum.record(extras["episode_tracked_ratio"])
             if extras["stage_changed"]:
-                self._choices = self.bank.choices(self.curriculum.stage)
+                self.follow_curriculum()
             self._reset(done)
         return self.observation(), rewards, terminated, truncated, extras
 

@@ -16,6 +16,7 @@ from rsl_rl.algorithms import PPO
 from studio.imitation.env import ImitationEnv
 from studio.imitation.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
 from studio.imitation.teacher import TeacherConfig, teacher_action
+from studio.training.parallel import ALONE, Crew
 
 log = logging.getLogger(__name__)
 
@@ -41,8 +42,14 @@ class DistilConfig:
 class Distiller:
     """Lessons for one actor in one environment; one thread only."""
 
-    def __init__(self, alg: PPO, env: ImitationEnv, config: DistilConfig = DistilConfig()) -> None:
-        self.alg, self.env, self.config = alg, env, config
+    def __init__(
+        self,
+        alg: PPO,
+        env: ImitationEnv,
+        config: DistilConfig = DistilConfig(),
+        crew: Crew = ALONE,
+    ) -> None:
+        self.alg, self.env, self.config, self.crew = alg, env, config, crew
         parameters = list(alg.actor.mlp.parameters())
         self.optimizer = torch.optim.Adam(parameters, lr=config.learning_rate)
         self.lessons: deque[tuple[torch.Tensor, torch.Tensor]] = deque(maxlen=config.keep)
@@ -50,7 +57,7 @@ class Distiller:
         self.mirror = torch.as_tensor(index), torch.as_tensor(sign, dtype=torch.float32)
         self.joints = torch.as_tensor(JOINT_INDEX), torch.as_tensor(JOINT_SIGN, dtype=torch.float32)
         self.weight = torch.tensor([config.hip_weight, 1.0, 1.0]).repeat(4)
-        self.rng = np.random.default_rng(0)
+        self.rng = np.random.default_rng(crew.rank)
 
     def lesson(self, progress: float) -> dict[str, float]:
         """Act, ask, learn; progress in [0, 1] of all lessons. Mean error and tracking figures."""
@@ -94,6 +101,7 @@ class Distiller:
             loss = (self.weight * error.square()).mean()
             self.optimizer.zero_grad()
             loss.backward()
+            self.crew.average_gradients(list(self.alg.actor.mlp.parameters()))
             torch.nn.utils.clip_grad_norm_(self.alg.actor.mlp.parameters(), 1.0)
             self.optimizer.step()
             losses.append(float(loss.detach()))

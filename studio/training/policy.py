@@ -22,6 +22,7 @@ from studio.imitation.observation import level_quat
 from studio.imitation.policy import MODELS, manifest_of, save_policy
 from studio.training import checkpoint
 from studio.training.distil import Distiller
+from studio.training.parallel import ALONE, SEED_STEP, Crew, join, leave
 from studio.training.policy_settings import PolicyTraining, algorithm_of, make_environment
 from studio.training.ppo import TorchEnv, collect, make_algorithm
 
@@ -36,13 +37,17 @@ TAUGHT_STD = 0.1
 class PolicyTrainer:
     """One run: environment, algorithm, counts. `step` is one iteration; one thread only."""
 
-    def __init__(self, config: PolicyTraining, env: ImitationEnv | None = None) -> None:
+    def __init__(
+        self, config: PolicyTraining, env: ImitationEnv | None = None, crew: Crew = ALONE
+    ) -> None:
         torch.manual_seed(config.seed)
-        self.config = config
+        self.config, self.crew = config, crew
         self.ppo = algorithm_of(config)
-        self.env = TorchEnv(env or make_environment(config))
+        own = config.seed + SEED_STEP * crew.rank
+        self.env = TorchEnv(env or make_environment(config, seed=own))
         self.env.env.reset()
-        self.alg = make_algorithm(self.env, self.ppo)
+        self.alg = make_algorithm(self.env, self.ppo, crew)
+        torch.manual_seed(own)  # exploration is everyone's own
         self.alg.train_mode()
         self.samples, self.seconds, self.iteration = 0, 0.0, 0
         self.warmup = 0
@@ -54,8 +59,8 @@ class PolicyTrainer:
         env = self.env.env
         env.curriculum.finish()
         env.restart()
-        distiller = Distiller(self.alg, env)
-        each = env.num_envs * distiller.config.horizon
+        distiller = Distiller(self.alg, env, crew=self.crew)
+        each = env.num_envs * distiller.config.horizon * self.crew.size
         while self.samples < lessons:
             began = time.perf_counter()
             figures = distiller.lesson(self.samples / lessons)
@@ -79,18 +84,28 @@ class PolicyTrainer:
         # The adaptive rate may run up where there is little to learn; the critic shares it.
         self.alg.learning_rate = min(self.alg.learning_rate, self.ppo.max_learning_rate)
         spent = time.perf_counter() - began
-        self.samples += self.env.num_envs * self.ppo.horizon
+        each = self.env.num_envs * self.ppo.horizon * self.crew.size
+        self.samples += each
         self.seconds += spent
         self.iteration += 1
+        self._agree()
         return {
             **figures.means(),
             **{f"loss/{k}": float(v) for k, v in losses.items()},
-            "samples_per_second": self.env.num_envs * self.ppo.horizon / spent,
+            "samples_per_second": each / spent,
             "collect_share": (collected - began) / spent,
             "learning_rate": self.alg.learning_rate,
             "action_std": float(self.alg.actor.output_std.detach().mean()),
             "stage": float(self.env.env.curriculum.level),
         }
+
+    def _agree(self) -> None:
+        """Every process trains on the stage that the first one has reached."""
+        curriculum = self.env.env.curriculum
+        level = int(self.crew.agreed(curriculum.level))
+        if level != curriculum.level:
+            curriculum.load({"level": level, "episodes": 0, "ratio": 0.0})
+            self.env.env.follow_curriculum()
 
     def _warm_up(self) -> dict[str, float]:
         """An update of the critic alone, at a rate of its own; the actor is put back."""
@@ -154,8 +169,9 @@ class PolicyTrainer:
         self.iteration, self.curve = int(facts["iteration"]), list(facts["curve"])
         self.env.env.curriculum.load(facts["curriculum"])
         self.env.env.restart()
-        self.env.env.rng.bit_generator.state = facts["random_state"]
-        torch.set_rng_state(tensors["torch_random_state"])
+        if self.crew.first:  # the others' dice were never written down: theirs are thrown anew
+            self.env.env.rng.bit_generator.state = facts["random_state"]
+            torch.set_rng_state(tensors["torch_random_state"])
         self.obs = self.env.present()
 
     def tensors(self) -> dict[str, np.ndarray]:
@@ -213,10 +229,11 @@ def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
         torch.set_num_threads(config.threads)
     folder = config.folder
     saved = folder / "checkpoint.safetensors"
-    trainer = PolicyTrainer(config)
+    crew = join()
+    trainer = PolicyTrainer(config, crew=crew)
     if config.resume or config.checkpoint:
         trainer.restore(config.checkpoint or saved)
-    writer = SummaryWriter(str(folder))
+    writer = SummaryWriter(str(folder)) if crew.first else None
 
     began = last_save = time.monotonic()
     first = trainer.samples
@@ -224,7 +241,7 @@ def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
     def lesson(figures: dict[str, float]) -> None:
         nonlocal last_save
         log.info("%s taught %.2f M: %s", config.state, trainer.samples / 1e6, _brief(figures))
-        for name, value in figures.items():
+        for name, value in figures.items() if writer else ():
             writer.add_scalar(f"teacher/{name}", value, trainer.samples)
         if time.monotonic() - last_save > config.checkpoint_seconds:
             last_save = time.monotonic()
@@ -234,17 +251,21 @@ def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
         trainer.teach(config.lessons, lesson)
         _keep(trainer, {"stage": float(trainer.env.env.curriculum.level)}, folder)
     figures: dict[str, float] = {}
-    while trainer.samples < config.samples and time.monotonic() - began < 3600.0 * config.hours:
+    while trainer.samples < config.samples:
+        if crew.agreed(time.monotonic() - began) >= 3600.0 * config.hours:
+            break
         figures = trainer.step()
-        for name, value in figures.items():
+        for name, value in figures.items() if writer else ():
             writer.add_scalar(name, value, trainer.samples)
         _progress(config, trainer, figures, first, time.monotonic() - began)
         if time.monotonic() - last_save > config.checkpoint_seconds:
             last_save = time.monotonic()
             _keep(trainer, figures, folder)
     _keep(trainer, figures, folder)
-    writer.close()
-    if config.publish:
+    if writer:
+        writer.close()
+    leave()
+    if config.publish and crew.first:
         save_policy(
             MODELS / f"{config.state}.safetensors", trainer.tensors(), trainer.manifest(scores={})
         )
@@ -263,7 +284,9 @@ def _brief(figures: dict[str, float]) -> str:
 
 
 def _keep(trainer: PolicyTrainer, figures: dict[str, float], folder: Path) -> None:
-    """Checkpoint, weights and one point of the curve."""
+    """Checkpoint, weights and one point of the curve, by the first process."""
+    if not trainer.crew.first:
+        return
     keep = ("reward", "joint_rmse_deg", "tracked_time_ratio", "fall_rate", "stage")
     point = {k: round(figures[k], 4) for k in keep if k in figures}
     trainer.curve.append({"samples": trainer.samples, **point})

@@ -144,8 +144,10 @@ def make_bank(config: PolicyTraining, cache: Path | None = BANKS) -> MotionBank:
     return banks[0] if len(banks) == 1 else merged(banks, config.level)
 
 
-def make_environment(config: PolicyTraining, cache: Path | None = BANKS) -> ImitationEnv:
-    """Bank, curriculum and environment of a run."""
+def make_environment(
+    config: PolicyTraining, cache: Path | None = BANKS, seed: int | None = None
+) -> ImitationEnv:
+    """Bank, curriculum and environment of a run; seed: of what is drawn in it, None: the run's."""
     bank, recipe = make_bank(config, cache), config.made_by
     ladder = stages(bank.tasks)
     if not config.randomise:
@@ -177,7 +179,8 @@ def make_environment(config: PolicyTraining, cache: Path | None = BANKS) -> Imit
     if config.future == "predicted":
         rng = np.random.default_rng([config.seed, 1])
         foresee = foresight.fit(bank, FUTURE_PERIODS, noise, rng)
-    return ImitationEnv(settings, bank, seed=config.seed, curriculum=curriculum, foresee=foresee)
+    seed = config.seed if seed is None else seed
+    return ImitationEnv(settings, bank, seed=seed, curriculum=curriculum, foresee=foresee)
 
 
 def algorithm_of(config: PolicyTraining) -> PpoConfig:

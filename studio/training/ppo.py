@@ -17,6 +17,7 @@ from studio.imitation.symmetry import (
     observation_mirror,
     privileged_mirror,
 )
+from studio.training.parallel import ALONE, Crew
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,7 +98,7 @@ def _with_mirror(x: torch.Tensor, index: torch.Tensor, sign: torch.Tensor) -> to
     return torch.cat([x, x[..., index] * sign])
 
 
-def make_algorithm(env: TorchEnv, ppo: PpoConfig) -> PPO:
+def make_algorithm(env: TorchEnv, ppo: PpoConfig, crew: Crew = ALONE) -> PPO:
     """rsl-rl's PPO with an asymmetric critic, observation normalisation and mirrored copies."""
     network = {
         "class_name": "rsl_rl.models:MLPModel",
@@ -137,7 +138,7 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig) -> PPO:
         "actor": {**network, "distribution_cfg": gaussian},
         "critic": dict(network),
         "algorithm": algorithm,
-        "multi_gpu": None,
+        "multi_gpu": crew.settings,
     }
     with contextlib.redirect_stdout(io.StringIO()):  # the library prints its models
         alg = PPO.construct_algorithm(env.present(), cast(Any, env), settings, "cpu")
@@ -149,6 +150,8 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig) -> PPO:
     with torch.no_grad():
         last.weight.mul_(0.01)
         last.bias.zero_()
+    if crew.size > 1:
+        alg.broadcast_parameters()
     return alg
 
 
