@@ -14,18 +14,25 @@ from numpy.typing import NDArray
 
 from studio import spatial
 from studio.imitation import transition
-from studio.imitation.transition import Path, feet_w, minimum_jerk, with_velocity
+from studio.imitation.footing import (
+    between,
+    facing,
+    feet_w,
+    solve,
+    still,
+    turn_z,
+    with_velocity,
+)
+from studio.imitation.put_down import IN_THE_AIR, PutDown
+from studio.imitation.transition import Path
+from studio.imitation.ways import minimum_jerk
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
-from studio.robot import a1, kinematics
+from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose
 
 Array = NDArray[np.float64]
 
-PUT_DOWN_PERIODS = 4
-"""Control periods in which feet in the air reach the floor: 133 ms, under the 150 ms allowed."""
-IN_THE_AIR = a1.FOOT_RADIUS + 0.008
-"""m, height of a foot's centre from which it counts as lifted."""
 CROUCH_HEIGHT = 0.13
 """m, base height from which the robot stands up; the trunk is clear of the floor."""
 SPEED_LIMIT: dict[StateName, float] = {
@@ -81,20 +88,19 @@ class Controller:
     def reset(self, state: StateName, base_xy: Array | None = None, yaw: float = 0.0) -> None:
         """Be in the neutral pose of `state` at base_xy (2,) m, heading yaw rad."""
         self.state: StateName = state
-        turn = spatial.quat_from_rpy([0.0, 0.0, yaw])
         neutral = NEUTRAL[state]
         xy = np.zeros(2) if base_xy is None else np.asarray(base_xy, dtype=np.float64)
         pose = replace(
-            _plain(neutral),
+            still(neutral),
             base_pos=np.array([xy[0], xy[1], neutral.base_pos[2]]),
-            base_quat=spatial.quat_mul(turn, neutral.base_quat),
+            base_quat=spatial.quat_mul(turn_z(yaw), neutral.base_quat),
         )
         self._last = pose
         self.reference = with_velocity(pose, pose)
         self._path: Path | None = None
         self._path_t = 0.0
         self._crossing = False  # the path leads to another state
-        self._put_down: _PutDown | None = None
+        self._put_down: PutDown | None = None
         self._following = False
         self._rested = True
         self._settling = 0
@@ -112,7 +118,7 @@ class Controller:
     @property
     def facing(self) -> float:
         """The way (rad) the feet face."""
-        return transition.facing(self._last, self.state)
+        return facing(self._last, self.state)
 
     @property
     def in_transition(self) -> bool:
@@ -123,7 +129,7 @@ class Controller:
         """Be in a low crouch at base_xy (2,) m, heading yaw rad, about to stand up."""
         self.reset("stand", base_xy, yaw)
         neutral = self._last
-        self._last = transition.solve(
+        self._last = solve(
             neutral.base_pos * [1.0, 1.0, 0.0] + [0.0, 0.0, CROUCH_HEIGHT],
             neutral.base_quat,
             feet_w(neutral),
@@ -191,7 +197,7 @@ class Controller:
         moving = self._following
         self._following = False
         if self.state == "walk" and moving and self._lifted().any():
-            self._put_down = _PutDown.begin(self._last, self.reference)
+            self._put_down = PutDown.begin(self._last, self.reference)
         elif wanted != self.state:
             on_the_way = {self.state, wanted} == {"walk", "sit"}
             self._begin("stand" if on_the_way else wanted, self.state)
@@ -239,12 +245,12 @@ class Controller:
 
     def _follow(self, reference: ReferencePose) -> RobotPose:
         """The person's reference, eased into."""
-        target = _plain(reference)
+        target = still(reference)
         self._ease_t += a1.CONTROL_DT
         if self._ease_t >= self._ease:
             eased = target
         else:
-            eased = _between(self._held, target, minimum_jerk(self._ease_t / self._ease))
+            eased = between(self._held, target, minimum_jerk(self._ease_t / self._ease))
         step = SPEED_LIMIT[self.state] * a1.CONTROL_DT
         last = self._last.joint_pos
         joint_pos = np.minimum(np.maximum(eased.joint_pos, last - step), last + step)
@@ -267,62 +273,3 @@ class Controller:
             expert=self.state,
             reference=self.reference,
         )
-
-
-class _PutDown:
-    """Feet in the air straight down to the floor while the base comes to rest."""
-
-    def __init__(self, start: RobotPose, lin_vel_w: Array, yaw_rate: float) -> None:
-        self._start, self._feet = start, feet_w(start)
-        self._vel, self._yaw_rate = lin_vel_w, yaw_rate
-        self._count = 0
-
-    @classmethod
-    def begin(cls, start: RobotPose, reference: ReferencePose) -> "_PutDown":
-        rate_w = spatial.quat_rotate(reference.base_quat, reference.base_ang_vel_b)
-        return cls(start, reference.base_lin_vel_w * np.array([1.0, 1.0, 0.0]), float(rate_w[2]))
-
-    @property
-    def done(self) -> bool:
-        return self._count >= PUT_DOWN_PERIODS
-
-    def step(self) -> RobotPose:
-        self._count += 1
-        s = self._count / PUT_DOWN_PERIODS
-        # Speed falls linearly to zero: the way covered is s - s^2 / 2 of speed times duration.
-        covered = (s - 0.5 * s * s) * PUT_DOWN_PERIODS * a1.CONTROL_DT
-        base_pos = self._start.base_pos + covered * self._vel
-        turn = spatial.quat_from_rpy([0.0, 0.0, covered * self._yaw_rate])
-        quat = spatial.quat_mul(turn, self._start.base_quat)
-        feet = self._feet.copy()
-        feet[:, 2] += (a1.FOOT_RADIUS - feet[:, 2]) * minimum_jerk(s)
-        lifted = self._feet[:, 2] > IN_THE_AIR
-        feet[lifted, :2] += covered * self._vel[:2]  # a swing foot lands ahead, not behind
-        joint_pos, _ = kinematics.leg_ik(spatial.quat_rotate_inverse(quat, feet - base_pos))
-        contact = np.where(lifted & (s < 1.0), 0.0, 1.0)
-        return RobotPose(
-            base_pos=base_pos, base_quat=quat, joint_pos=joint_pos, foot_contact=contact
-        )
-
-
-def _plain(pose: RobotPose) -> RobotPose:
-    return RobotPose(
-        base_pos=pose.base_pos,
-        base_quat=pose.base_quat,
-        joint_pos=pose.joint_pos,
-        foot_contact=pose.foot_contact,
-    )
-
-
-def _between(held: RobotPose, target: RobotPose, w: float) -> RobotPose:
-    """From one pose (w=0) to another (w=1) by base and feet: feet planted in both stay planted."""
-    base_pos = (1.0 - w) * held.base_pos + w * target.base_pos
-    quat = spatial.quat_slerp(held.base_quat, target.base_quat, np.float64(w))
-    feet = (1.0 - w) * feet_w(held) + w * feet_w(target)
-    joint_pos, _ = kinematics.leg_ik(spatial.quat_rotate_inverse(quat, feet - base_pos))
-    return RobotPose(
-        base_pos=base_pos,
-        base_quat=quat,
-        joint_pos=joint_pos,
-        foot_contact=target.foot_contact,
-    )

@@ -1,33 +1,45 @@
 """A way from any pose to another state's neutral pose: key poses joined by minimum-jerk segments.
 
-Between two key poses every leg does one of three things: *plant* (its foot stays where it is on
-the floor, the leg follows by IK while the base moves), *step* (its foot moves through the air to
-a new place on the floor), or *swing* (its joints are interpolated, the foot carries nothing).
 Walking and standing differ by where the feet are, so diagonal pairs step into place. Sitting down
 leans back and down on four planted feet until the rear calves lie on the floor, and only then
 lifts the trunk and with it the front feet; the centre of mass is above the support all the way,
 so that the way also holds slowly, and backwards. The person is ignored meanwhile.
 """
 
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio import spatial
+from studio.imitation.footing import (
+    NEUTRAL_FEET,
+    feet_w,
+    fit_plane,
+    over_feet,
+    placed,
+    rear_yaw,
+    solve,
+    turn_z,
+)
+from studio.imitation.ways import (
+    Haunches,
+    LegMode,
+    Legs,
+    Way,
+    least_seconds,
+    minimum_jerk,
+    trapezoid,
+)
 from studio.reference import scalars
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1, kinematics
-from studio.robot.pose import ReferencePose, RobotPose
+from studio.robot.pose import RobotPose
 
 Array = NDArray[np.float64]
-LegMode = Literal["plant", "step", "swing"]
 
-MAX_JOINT_SPEED = np.radians(115.0)
-"""rad/s, under the 120 deg/s of paper-notes so that rounding never crosses it."""
 MIN_SECONDS, MAX_SECONDS = 1.0, 3.0
 """s; a way that would take longer is hurried. Only with a paw held high overhead is that not
 enough: up to 3.6 s then, since the joints' speed limit comes first."""
@@ -38,132 +50,37 @@ LEAN_PITCH = np.radians(-6.0)
 LEAN_THIGH = -0.2
 """rad, rear thighs then, against the vertical: the hip behind the knee, so that the centre of mass
 is over the calves before the front feet lift (at 0 the robot tips over its rear feet)."""
-CLEARANCE = 0.04
 FOOTHOLD_TOLERANCE = 0.015
 """m; feet nearer than this to their neutral place stay where they are."""
 DIAGONALS = ((1, 2), (0, 3))
 """FL with RR, FR with RL."""
-
-
-def minimum_jerk(s: float) -> float:
-    """10 s^3 - 15 s^4 + 6 s^5 for s in [0, 1]: from 0 to 1 with rest at both ends."""
-    s = min(max(s, 0.0), 1.0)
-    return s * s * s * (10.0 + s * (6.0 * s - 15.0))
-
-
-def trapezoid(s: float) -> float:
-    """For s in [0, 1]: speeds up over the first fifth, slows down over the last.
-
-    Its fastest is 1.25 times the mean, minimum jerk's 1.875.
-    """
-    s = min(max(s, 0.0), 1.0)
-    if s > 0.5:
-        return 1.0 - trapezoid(1.0 - s)
-    return 3.125 * s * s if s < 0.2 else 1.25 * s - 0.125
+_FOLDED = np.tile([0.0, LEAN_THIGH - LEAN_PITCH, -0.5 * np.pi - LEAN_THIGH], 4)
+_LEAN = spatial.quat_from_rpy([0.0, LEAN_PITCH, 0.0])
+_FOLDED_FEET = kinematics.foot_pos_w(np.zeros(3), _LEAN, _FOLDED)[2:]
+"""(2, 3) m: the rear feet about the base when it leans back on its calves, heading along x."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Segment:
-    """From one key pose to the next; `legs`: what each leg does; `seconds`: how long it takes.
+    """A way and the time that it takes.
 
     hurried: gets there by `trapezoid`, a third sooner at the same joint speed.
     """
 
-    start: RobotPose
-    end: RobotPose
-    legs: "Legs"
-    seconds: float = 0.5
+    way: Way
+    seconds: float
     hurried: bool = False
-
-    def progress(self, s: float) -> float:
-        """Share of the way at a share s in [0, 1] of the time."""
-        return trapezoid(s) if self.hurried else minimum_jerk(s)
 
     def at(self, s: float) -> RobotPose:
         """The pose at a share s in [0, 1] of the segment's time."""
-        base_pos, base_quat, joint_pos = self.motion(np.array([self.progress(s)]))
+        u = trapezoid(s) if self.hurried else minimum_jerk(s)
+        base_pos, base_quat, joint_pos = self.way.motion(np.array([u]))
         return RobotPose(
             base_pos=base_pos[0],
             base_quat=base_quat[0],
             joint_pos=joint_pos[0],
-            foot_contact=self.end.foot_contact if s >= 1.0 else self.contact,
+            foot_contact=self.way.end.foot_contact if s >= 1.0 else self.way.contact,
         )
-
-    @cached_property
-    def feet(self) -> tuple[Array, Array]:
-        """(4, 3) m each, world: the feet at the start and at the end."""
-        return feet_w(self.start), feet_w(self.end)
-
-    @property
-    def contact(self) -> Array:
-        """(4,) which feet carry on the way."""
-        return np.array([mode == "plant" for mode in self.legs], dtype=np.float64)
-
-    def motion(self, u: Array) -> tuple[Array, Array, Array]:
-        """Base (N, 3), (N, 4) and joints (N, 12) at shares u (N,) of the way."""
-        base_pos, base_quat, joint_pos = self._blend(u)
-        by_foot = np.repeat([mode != "swing" for mode in self.legs], 3)
-        if by_foot.any():
-            c = u[:, None, None]
-            start, end = self.feet
-            foot = (1.0 - c) * start + c * end
-            step = [mode == "step" for mode in self.legs]
-            foot[..., 2] += CLEARANCE * np.outer(4.0 * u * (1.0 - u), step)
-            foot_b = spatial.quat_rotate_inverse(base_quat[:, None], foot - base_pos[:, None])
-            joint_pos = np.where(by_foot, kinematics.leg_ik(foot_b)[0], joint_pos)
-        return base_pos, base_quat, joint_pos
-
-    def _blend(self, u: Array) -> tuple[Array, Array, Array]:
-        c, start, end = u[:, None], self.start, self.end
-        quat = np.broadcast_to(start.base_quat, (len(u), 4))
-        return (
-            (1.0 - c) * start.base_pos + c * end.base_pos,
-            spatial.quat_slerp(quat, np.broadcast_to(end.base_quat, (len(u), 4)), u),
-            (1.0 - c) * start.joint_pos + c * end.joint_pos,
-        )
-
-    def at_speed(self, least: float) -> "Segment":
-        """As long as its fastest joint needs at MAX_JOINT_SPEED, and at least `least` s."""
-        u = np.array([self.progress(s) for s in np.linspace(0.0, 1.0, 25)])
-        joints = self.motion(u)[2]
-        fastest = float(np.max(np.abs(np.diff(joints, axis=0)))) * (len(joints) - 1)
-        return replace(self, seconds=max(least, fastest / MAX_JOINT_SPEED))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Haunches(Segment):
-    """Between leaning and sitting: the trunk turns on the rear legs, whose calves lie on the floor.
-
-    The thighs stay leaned back until the trunk is nearly up (cubic in its turn): else the centre
-    of mass passes in front of the rear feet. `legs` is ignored.
-    """
-
-    rising: bool
-
-    @property
-    def contact(self) -> Array:
-        """The rear feet carry."""
-        return np.array([0.0, 0.0, 1.0, 1.0])
-
-    def motion(self, u: Array) -> tuple[Array, Array, Array]:
-        """Base (N, 3), (N, 4) and joints (N, 12) at shares u (N,) of the way."""
-        _, quat, joint_pos = self._blend(u)
-        low, high = (self.start, self.end) if self.rising else (self.end, self.start)
-        w = u if self.rising else 1.0 - u
-        # pitch + thigh + calf stays -90 degrees: what the thigh lags, the calf takes up
-        lag = (_thigh(high) - _thigh(low)) * (w - w**3)
-        joint_pos[:, [7, 10]] -= lag[:, None]
-        joint_pos[:, [8, 11]] += lag[:, None]
-        feet = spatial.quat_rotate(quat[:, None], kinematics.foot_pos_b(joint_pos))
-        start, end = (feet[2:].mean(axis=0) for feet in self.feet)
-        c = u[:, None]
-        return (1.0 - c) * start + c * end - feet[:, 2:].mean(axis=1), quat, joint_pos
-
-
-def _thigh(pose: RobotPose) -> float:
-    """Angle of the rear thighs against the vertical, rad; > 0: the knee behind the hip."""
-    nose = spatial.quat_rotate(pose.base_quat, [1.0, 0.0, 0.0])
-    return float(np.mean(pose.joint_pos[[7, 10]]) - np.arcsin(np.clip(nose[2], -1.0, 1.0)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -193,118 +110,77 @@ def plan(start: RobotPose, source: StateName, goal: StateName) -> Path:
     Walking and sitting are joined through standing: ask for "stand" first.
     """
     assert {source, goal} != {"walk", "sit"}, "walk and sit are joined through stand"
+    feet = feet_w(start)
     if goal == "sit":
-        stand = standing_over(start)
-        lean, sit = _sit_keys(feet_w(stand))
-        keys = _onto_feet(start, stand) if _apart(start, stand) else []
+        stand = over_feet(feet, "stand")
+        there = feet_w(stand)
+        lean, sit = _sit_keys(there)
+        apart = np.linalg.norm(feet - there, axis=1).max() > FOOTHOLD_TOLERANCE
+        keys = _onto_feet(start, feet, stand, there) if apart else []
         keys += [(lean, _all("plant"), 0.4), (sit, "rise", 0.5)]
     elif source == "sit":
-        feet = _standing_feet_from_sit(start)
-        lean, _ = _sit_keys(feet)
-        stand = _pose_on(feet, "stand")
+        there = _standing_feet_from_sit(feet)
+        lean, _ = _sit_keys(there)
+        over = over_feet(there, "stand")
+        stand = solve(over.base_pos, over.base_quat, there)
         keys = [(lean, "sink", 0.5), (stand, _all("plant"), 0.4)]
     else:
-        keys = _onto_feet(start, standing_over(start, goal))
-    return _path(goal, start, keys)
+        neutral = over_feet(feet, goal)
+        keys = _onto_feet(start, feet, neutral, feet_w(neutral))
+    return _path(goal, start, feet, keys, MIN_SECONDS)
 
 
 def settle(start: RobotPose, state: StateName) -> Path:
     """The way from any pose of `state` to its neutral pose, where the feet are."""
-    if state != "sit":
-        return _path(state, start, _onto_feet(start, standing_over(start, state)), SETTLE_SECONDS)
-    yaw = _rear_yaw(start)
-    turn = spatial.quat_from_rpy([0.0, 0.0, yaw])
-    rear = spatial.quat_rotate(turn, feet_w(NEUTRAL["sit"])[2:]).mean(axis=0)
-    sat = placed(NEUTRAL["sit"], (feet_w(start)[2:].mean(axis=0) - rear)[:2], yaw)
-    return _path("sit", start, [(sat, ("swing", "swing", "plant", "plant"), 0.4)], SETTLE_SECONDS)
-
-
-def facing(pose: RobotPose, state: StateName) -> float:
-    """The way (rad) the feet of a pose face, whatever the trunk on them does."""
+    feet = feet_w(start)
     if state == "sit":
-        return _rear_yaw(pose)
-    legs = np.flatnonzero(pose.foot_contact > 0.5)
-    legs = legs if len(legs) > 2 else np.arange(4)
-    return fit_plane(feet_w(NEUTRAL[state])[legs, :2], feet_w(pose)[legs, :2])[1]
+        sat = _sat_on(feet, rear_yaw(feet))
+        keys: list[Key] = [(sat, ("swing", "swing", "plant", "plant"), 0.4)]
+    else:
+        neutral = over_feet(feet, state)
+        keys = _onto_feet(start, feet, neutral, feet_w(neutral))
+    return _path(state, start, feet, keys, SETTLE_SECONDS)
 
 
-def _rear_yaw(pose: RobotPose) -> float:
-    """Heading by the line of the rear feet: a sitting trunk is too steep to tell."""
-    across = feet_w(pose)[3] - feet_w(pose)[2]
-    return float(np.arctan2(-across[0], across[1]))
-
-
-Legs = tuple[LegMode, LegMode, LegMode, LegMode]
 Key = tuple[RobotPose, Legs | Literal["rise", "sink"], float]
 """A key pose, how it is reached from the one before, and the least time that takes, s."""
 
 
-def _apart(a: RobotPose, b: RobotPose) -> bool:
-    return bool(np.linalg.norm(feet_w(a) - feet_w(b), axis=1).max() > FOOTHOLD_TOLERANCE)
-
-
-def _path(
-    goal: StateName, start: RobotPose, keys: list[Key], least_seconds: float = MIN_SECONDS
-) -> Path:
-    ways: list[tuple[Segment, float]] = []
-    for pose, legs, least in keys:
+def _path(goal: StateName, start: RobotPose, feet: Array, keys: list[Key], at_least: float) -> Path:
+    """start: of feet (4, 3). at_least: s that the whole takes."""
+    ways: list[Way] = []
+    for pose, legs, _ in keys:
+        there = feet_w(pose)
+        pair = (feet, there)
         if isinstance(legs, str):
-            way = Haunches(start=start, end=pose, legs=_all("swing"), rising=legs == "rise")
+            rising = legs == "rise"
+            ways.append(
+                Haunches(start=start, end=pose, legs=_all("swing"), feet=pair, rising=rising)
+            )
         else:
-            way = Segment(start=start, end=pose, legs=legs)
-        ways.append((way, least))
-        start = pose
-    segments = _timed(ways, hurried=False)
-    if sum(segment.seconds for segment in segments) > MAX_SECONDS:
-        segments = _timed(ways, hurried=True)
-    total = sum(segment.seconds for segment in segments)
-    stretch = max(total, least_seconds) / total  # never quicker: the speed limit comes first
+            ways.append(Way(start=start, end=pose, legs=legs, feet=pair))
+        start, feet = pose, there
+    least = np.array([[seconds] for _, _, seconds in keys])
+    usual, quick = np.maximum(least_seconds(ways), least).T.tolist()
+    hurried = sum(usual) > MAX_SECONDS
+    seconds = quick if hurried else usual
+    stretch = max(sum(seconds), at_least) / sum(seconds)  # never quicker: the speed limit is first
     return Path(
         goal=goal,
-        segments=tuple(replace(s, seconds=s.seconds * stretch) for s in segments),
+        segments=tuple(
+            Segment(way=way, seconds=s * stretch, hurried=hurried)
+            for way, s in zip(ways, seconds, strict=True)
+        ),
     )
-
-
-def _timed(ways: list[tuple[Segment, float]], *, hurried: bool) -> list[Segment]:
-    return [replace(way, hurried=hurried).at_speed(least) for way, least in ways]
 
 
 def _all(mode: LegMode) -> Legs:
     return (mode, mode, mode, mode)
 
 
-def feet_w(pose: RobotPose) -> Array:
-    """(4, 3) m, foot centres of a pose in its own world."""
-    return kinematics.foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos)
-
-
-def standing_over(start: RobotPose, goal: StateName = "stand") -> RobotPose:
-    """The neutral pose of `goal` at the place and heading that its feet fit best now."""
-    neutral = NEUTRAL[goal]
-    template = feet_w(neutral)
-    position, yaw = fit_plane(template[:, :2], feet_w(start)[:, :2])
-    return placed(neutral, position, yaw)
-
-
-def fit_plane(a: Array, b: Array) -> tuple[Array, float]:
-    """The translation (2,) and turn that carry points a (N, 2) onto b best: b = R a + p."""
-    ca, cb = a.mean(axis=0), b.mean(axis=0)
-    da, db = a - ca, b - cb
-    yaw = float(np.arctan2(np.sum(da[:, 0] * db[:, 1] - da[:, 1] * db[:, 0]), np.sum(da * db)))
-    c, s = np.cos(yaw), np.sin(yaw)
-    return cb - np.array([[c, -s], [s, c]]) @ ca, yaw
-
-
-def placed(pose: RobotPose, position: Array, yaw: float) -> RobotPose:
-    """The pose turned by yaw about the world's z axis, then moved by position (2,)."""
-    turn = spatial.quat_from_rpy([0.0, 0.0, yaw])
-    base = spatial.quat_rotate(turn, pose.base_pos) + np.array([*position, 0.0])
-    return replace(pose, base_pos=base, base_quat=spatial.quat_mul(turn, pose.base_quat))
-
-
-def _onto_feet(start: RobotPose, goal: RobotPose) -> list[Key]:
-    """Key poses that bring the base over `goal`'s and each foot to its place, pair by pair."""
-    now, there = feet_w(start), feet_w(goal)
+def _onto_feet(start: RobotPose, now: Array, goal: RobotPose, there: Array) -> list[Key]:
+    """Key poses that bring the base over `goal`'s and each foot from `now` to `there`, (4, 3) m,
+    pair by pair."""
     away = np.linalg.norm(now - there, axis=1) > FOOTHOLD_TOLERANCE
     high = now[:, 2] > a1.FOOT_RADIUS + FOOTHOLD_TOLERANCE
     if not away.any():
@@ -328,58 +204,28 @@ def _onto_feet(start: RobotPose, goal: RobotPose) -> list[Key]:
     return keys
 
 
-def solve(base_pos: Array, base_quat: Array, feet: Array) -> RobotPose:
-    """The pose with the base where it is asked to be and the feet at (4, 3) m, world."""
-    joint_pos, _ = kinematics.leg_ik(spatial.quat_rotate_inverse(base_quat, feet - base_pos))
-    return RobotPose(
-        base_pos=base_pos, base_quat=base_quat, joint_pos=joint_pos, foot_contact=np.ones(4)
-    )
-
-
-def _pose_on(feet: Array, state: StateName) -> RobotPose:
-    """Neutral `state` over feet (4, 3) m on the floor."""
-    position, yaw = fit_plane(feet_w(NEUTRAL[state])[:, :2], feet[:, :2])
-    over = placed(NEUTRAL[state], position, yaw)
-    return solve(over.base_pos, over.base_quat, feet)
-
-
 def _sit_keys(feet: Array) -> tuple[RobotPose, RobotPose]:
     """(lean, sit) for standing feet (4, 3): calves on the floor and front feet about to lift; sat.
 
     The rear feet stay where they stand; both poses face the way the feet do.
     """
-    yaw = fit_plane(feet_w(NEUTRAL["stand"])[:, :2], feet[:, :2])[1]
-    turn = spatial.quat_from_rpy([0.0, 0.0, yaw])
-    sit = NEUTRAL["sit"]
-    offset = feet[2:].mean(axis=0) - spatial.quat_rotate(turn, feet_w(sit)[2:].mean(axis=0))
-    sat = placed(sit, offset[:2], yaw)
-    quat = spatial.quat_mul(turn, spatial.quat_from_rpy([0.0, LEAN_PITCH, 0.0]))
-    rear = np.array([0.0, LEAN_THIGH - LEAN_PITCH, -0.5 * np.pi - LEAN_THIGH])
-    folded = kinematics.foot_pos_b(np.tile(rear, 4))[2:]
-    base_pos = (feet[2:] - spatial.quat_rotate(quat, folded)).mean(axis=0)
-    return solve(base_pos, quat, feet), sat
+    yaw = fit_plane(NEUTRAL_FEET["stand"][:, :2], feet[:, :2])[1]
+    turn = scalars.yaw(yaw)
+    quat = np.array(scalars.mul(turn, _LEAN.tolist()))
+    base_pos = (feet[2:] - _FOLDED_FEET @ scalars.matrix(turn).T).mean(axis=0)
+    return solve(base_pos, quat, feet), _sat_on(feet, yaw)
 
 
-def _standing_feet_from_sit(start: RobotPose) -> Array:
+def _sat_on(feet: Array, yaw: float) -> RobotPose:
+    """Neutral sitting, heading yaw, with the middle of the rear feet where that of (4, 3) is."""
+    sat = spatial.quat_rotate(turn_z(yaw), NEUTRAL_FEET["sit"][2:].mean(axis=0))
+    return placed(NEUTRAL["sit"], (feet[2:].mean(axis=0) - sat)[:2], yaw)
+
+
+def _standing_feet_from_sit(feet: Array) -> Array:
     """(4, 3) where the feet stand after sitting: the rear ones stay, the front ones land ahead."""
-    template = feet_w(NEUTRAL["stand"])
-    rear = feet_w(start)[2:]
-    turn = spatial.quat_from_rpy([0.0, 0.0, _rear_yaw(start)])
-    turned = spatial.quat_rotate(turn, template)
-    feet = turned + (rear.mean(axis=0) - turned[2:].mean(axis=0)) * np.array([1.0, 1.0, 0.0])
-    feet[2:, :2] = rear[:, :2]
-    return feet
-
-
-def with_velocity(pose: RobotPose, previous: RobotPose, dt: float = a1.CONTROL_DT) -> ReferencePose:
-    """The pose as a reference, its velocities by backward differences from `previous`."""
-    turned = scalars.mul(scalars.conj(previous.base_quat.tolist()), pose.base_quat.tolist())
-    return ReferencePose(
-        base_pos=pose.base_pos,
-        base_quat=pose.base_quat,
-        joint_pos=pose.joint_pos,
-        foot_contact=pose.foot_contact,
-        base_lin_vel_w=(pose.base_pos - previous.base_pos) / dt,
-        base_ang_vel_b=np.array(scalars.rotvec(turned)) / dt,
-        joint_vel=(pose.joint_pos - previous.joint_pos) / dt,
-    )
+    turned = NEUTRAL_FEET["stand"] @ scalars.matrix(scalars.yaw(rear_yaw(feet))).T
+    rear = feet[2:].mean(axis=0)
+    there = turned + (rear - turned[2:].mean(axis=0)) * np.array([1.0, 1.0, 0.0])
+    there[2:, :2] = feet[2:, :2]
+    return there

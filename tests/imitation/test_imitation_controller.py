@@ -8,18 +8,14 @@ import pytest
 
 from studio import spatial
 from studio.imitation.controller import Controller, Directive
-from studio.imitation.transition import (
-    MAX_SECONDS,
-    MIN_SECONDS,
-    facing,
-    feet_w,
-    fit_plane,
+from studio.imitation.footing import facing, feet_w, fit_plane, placed, solve, with_velocity
+from studio.imitation.transition import MAX_SECONDS, MIN_SECONDS, plan, settle
+from studio.imitation.ways import (
+    MAX_JOINT_SPEED,
+    least_seconds,
     minimum_jerk,
-    placed,
-    plan,
-    settle,
-    solve,
-    with_velocity,
+    trapezoid,
+    trapezoid_time,
 )
 from studio.puppeteer import fell
 from studio.reference.library import TASKS
@@ -55,6 +51,25 @@ def test_minimum_jerk_starts_and_ends_at_rest_and_is_halfway_at_half_time():
     assert (minimum_jerk(1e-3) / 1e-3) < 1e-5
     assert minimum_jerk(-1.0) == 0.0
     assert minimum_jerk(2.0) == 1.0
+
+
+def test_the_time_of_a_trapezoid_is_its_inverse():
+    shares = np.linspace(0.0, 1.0, 41)
+    there = [trapezoid(s) for s in shares]
+    np.testing.assert_allclose([trapezoid_time(u) for u in there], shares, atol=1e-12)
+    assert np.max(np.diff(there) * 40) == pytest.approx(1.25)
+
+
+@pytest.mark.parametrize(("source", "goal"), [("stand", "sit"), ("sit", "stand")])
+def test_a_way_takes_what_its_fastest_joint_needs_however_it_is_timed(source, goal):
+    for segment in plan(NEUTRAL[source], source, goal).segments:
+        way = segment.way
+        usual, hurried = least_seconds([way])[0]
+        for seconds, progress in ((usual, minimum_jerk), (hurried, trapezoid)):
+            u = np.array([progress(s) for s in np.linspace(0.0, 1.0, 400)])
+            speed = np.abs(np.diff(way.motion(u)[2], axis=0)).max() * 399 / seconds
+            assert speed == pytest.approx(MAX_JOINT_SPEED, rel=0.03)
+        assert hurried < usual
 
 
 def test_fitting_a_plane_finds_the_turn_and_the_move_that_were_made():

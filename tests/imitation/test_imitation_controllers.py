@@ -9,9 +9,9 @@ from studio.imitation.action import ActionConfig
 from studio.imitation.controllers import CONTROLLERS, default_controller, open_controller
 from studio.imitation.controllers import policy as policy_room
 from studio.imitation.controllers.policy import PolicyTracker
+from studio.imitation.footing import with_velocity
 from studio.imitation.observation import ObservationConfig, level_quat
 from studio.imitation.policy import Policy, manifest_of
-from studio.imitation.transition import with_velocity
 from studio.reference.intent import STATES, StateName
 from studio.reference.stances import NEUTRAL
 from studio.robot.pose import ReferencePose, RobotState
