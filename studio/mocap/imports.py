@@ -1,5 +1,6 @@
 """A motion file (BVH, or a recorded Kinect's frames) as the human side of a take."""
 
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -9,9 +10,9 @@ from studio.errors import StudioError
 from studio.human.pose import HumanClip, HumanPose
 from studio.mocap.bvh import load_bvh
 from studio.mocap.frames import load_frames
-from studio.recording import commands
+from studio.recording import adding, commands
 from studio.recording.library import SessionLibrary
-from studio.recording.names import slug
+from studio.recording.names import slug, take_folder
 from studio.recording.recorder import TAPE
 from studio.recording.take import Recorder, Take
 from studio.recording.tick import Tick
@@ -20,20 +21,30 @@ from studio.robot import a1, kinematics
 from studio.robot.pose import ReferencePose, RobotState
 
 SUFFIXES = (".bvh", ".jsonl", ".json", ".ndjson")
+MAX_SECONDS = 6 * 3600.0
 
 
 def import_take(
     sessions: Path, path: Path, name: str | None = None, robot: str | None = None
 ) -> dict[str, Any]:
-    """Take in what was recorded elsewhere: a take's folder, a folder of takes, or a motion file.
+    """Take in what was recorded elsewhere: takes (a folder of one or of many, a zip) or a motion.
 
     A motion file (.bvh, or human frames as .jsonl) becomes the human side of a take. robot: the
-    take whose robot that person is put beside; without one the robot stands by.
+    take whose robot that person is put beside; without one the robot stands by. From a zip, takes
+    get names that are free, and those refused are named with why.
     """
-    if path.is_file() and path.name != TAPE:
+    zipped = path.suffix.lower() == ".zip" and path.is_file()
+    if path.is_file() and path.name != TAPE and not zipped:
         return import_human(sessions, path, name, robot)
     if robot is not None:
         raise StudioError("a robot is put beside a motion file (.bvh, .jsonl), not beside a take")
+    if zipped:
+        if name is not None:
+            raise StudioError("the takes in a zip have names of their own: leave the name out")
+        taken, refused = adding.add_zip(sessions, path)
+        if not taken:
+            raise StudioError("; ".join(refused.values()))
+        return {"takes": taken, "refused": refused}
     return commands.import_take(sessions, path.parent if path.name == TAPE else path, name)
 
 
@@ -53,20 +64,35 @@ def import_human(
         clip, rejected = load_frames(file)
     else:
         raise StudioError(f"{file.name} is no motion file: give a .bvh, or human frames as .jsonl")
-    beside = SessionLibrary(sessions).read(robot) if robot else None
+    if clip.t[-1] - clip.t[0] > MAX_SECONDS:
+        raise StudioError(
+            f"{file.name} lasts {(clip.t[-1] - clip.t[0]) / 3600:.1f} h, more than a take may"
+            f" ({MAX_SECONDS / 3600:g} h): check its times, or cut it"
+        )
+    library = SessionLibrary(sessions)
+    beside = library.read(robot) if robot else None
     clip = clip.at_rate(a1.CONTROL_HZ)
-    recorder = Recorder(sessions)
     about = {"source": f"import:{file.name}"} | ({"robot": robot} if robot else {})
     if beside is not None and "collect" in (beside.meta.get("about") or {}):
         about["collect"] = beside.meta["about"]["collect"]
     label = beside.label if beside is not None else slug(file.stem)
+    if name is not None and take_folder(sessions, name).exists():
+        raise StudioError(f"a take named {name} exists: give another name")
     try:
-        made = recorder.start(label, name=name, about=about)
-        for tick in _ticks(clip, beside):
-            recorder.append(tick)
-    finally:
-        recorder.close()
-    return {"takes": [made], "rejected": rejected}
+        Path(sessions).mkdir(parents=True, exist_ok=True)
+        # Beside the library, not in it: a studio may be recording there.
+        with tempfile.TemporaryDirectory(prefix=adding.SCRATCH, dir=sessions) as scratch:
+            recorder = Recorder(Path(scratch))
+            try:
+                made = recorder.start(label, name=name, about=about)
+                for tick in _ticks(clip, beside):
+                    recorder.append(tick)
+            finally:
+                recorder.close()
+            free = name or adding.free_name(library.root, made)
+            return {"takes": [library.add(Path(scratch) / made, free)], "rejected": rejected}
+    except OSError as error:
+        raise StudioError(f"{file.name} was not imported: {error.strerror}") from error
 
 
 def _ticks(clip: HumanClip, beside: Take | None):

@@ -7,6 +7,7 @@ whoever needs all of it goes through it in blocks.
 
 import contextlib
 import os
+import threading
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -45,6 +46,7 @@ ROW = np.dtype(
     ]
 )  # fmt: skip
 _BLOCK = 1024
+_building = threading.Lock()
 
 
 class _Human(msgspec.Struct):
@@ -112,12 +114,16 @@ def columns(folder: Path) -> Columns:
     known = _load(base, key)
     if known is not None:
         return known
-    with contextlib.suppress(OSError):
-        base.parent.mkdir(exist_ok=True)
-        _build(tape, base, key)
+    with _building:  # whoever asks meanwhile waits for the one table
         known = _load(base, key)
         if known is not None:
             return known
+        with contextlib.suppress(OSError):
+            base.parent.mkdir(exist_ok=True)
+            _build(tape, base, key)
+            known = _load(base, key)
+            if known is not None:
+                return known
     return _in_memory(tape)
 
 

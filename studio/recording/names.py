@@ -19,6 +19,12 @@ def check_name(name: object, kind: str = "take") -> str:
     return name
 
 
+def fit_name(name: str, otherwise: str = "take") -> str:
+    """A name from outside as one that fits: what does not becomes "-", what is too long is cut."""
+    fit = re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-")[:100] or otherwise
+    return f"{fit}-take" if fit in RESERVED else fit
+
+
 def slug(label: str) -> str:
     """A label as part of a name: what does not fit becomes "-"."""
     return re.sub(r"[^A-Za-z0-9_]+", "-", label).strip("-")[:60]

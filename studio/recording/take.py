@@ -132,9 +132,11 @@ def read_meta(folder: Path) -> dict[str, Any]:
     except (OSError, msgspec.MsgspecError, KeyError, TypeError) as error:
         raise _MetaLost(f"{META} of take {folder.name} is missing or damaged") from error
     if version != FORMAT_VERSION:
+        by = str(meta.get("studio_version", "version unknown"))[:20]
         raise StudioError(
-            f"take {folder.name} has format {version}, this studio reads {FORMAT_VERSION}: open it"
-            " with the a1-studio it was recorded with"
+            f"take {folder.name} has format {str(version)[:20]}, this studio reads"
+            f" {FORMAT_VERSION}: open it with the a1-studio it was recorded with ({by}), export"
+            " the person there as BVH or JSON lines, and import that"
         )
     return meta
 

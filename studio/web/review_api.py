@@ -134,6 +134,8 @@ def review_router(hub: Hub) -> APIRouter:
     async def show(name: str, request: Request, body: ShowBody | None = None) -> dict[str, Any]:
         """Show it in the 3-D view (mode replay), as its edits leave it. Answers the state."""
         await known(name)
+        # Its table first: that of an hour takes longer to build than the loop may be kept waiting.
+        await off_thread(lambda: edited.open_table(hub.sessions, name))
         options = (body or ShowBody()).model_dump()
         await hub.apply(ShowTake(name=name, **options), request)
         return hub.state()

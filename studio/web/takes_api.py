@@ -18,6 +18,7 @@ from studio.recording.exports import export_file as export_take
 from studio.recording.library import SessionLibrary
 from studio.web.encode import plain
 from studio.web.hub import Hub, refused
+from studio.web.import_api import import_router
 
 T = TypeVar("T")
 
@@ -46,6 +47,7 @@ class EditBody(BaseModel):
 def takes_router(hub: Hub) -> APIRouter:
     """`/api/takes`."""
     router = APIRouter(prefix="/api/takes", tags=["takes"])
+    router.include_router(import_router(hub))
     library = SessionLibrary(hub.sessions)
 
     async def off_thread(work: Callable[..., T], *args: Any, status: int = 404, **more: Any) -> T:

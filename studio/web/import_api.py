@@ -1,0 +1,113 @@
+"""What was recorded elsewhere, sent by a page, to takes: folders, zips, and people's motions.
+
+Names from outside are made fit before they are part of any path.
+"""
+
+import asyncio
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any, BinaryIO
+
+from fastapi import APIRouter, Request
+from starlette.datastructures import FormData, UploadFile
+
+from studio.errors import StudioError
+from studio.mocap.imports import SUFFIXES, import_take
+from studio.recording import adding
+from studio.recording.archive import FILES
+from studio.recording.names import fit_name
+from studio.recording.recorder import TAPE
+from studio.web.hub import Hub, refused
+
+MAX_BODY = 2 * 2**30
+"""Bytes of one request: ten hours of tape."""
+KINDS = (
+    f"send a take (its {TAPE}, with meta.json), a .zip of takes, a .bvh or human frames (.jsonl)"
+)
+BODY = {
+    "requestBody": {
+        "required": True,
+        "content": {
+            "multipart/form-data": {
+                "schema": {
+                    "type": "object",
+                    "properties": {
+                        "files": {"type": "array", "items": {"type": "string", "format": "binary"}},
+                        "name": {"type": "string", "description": "of the take, where one is sent"},
+                        "robot": {"type": "string", "description": "take whose robot is shown"},
+                    },
+                    "required": ["files"],
+                }
+            }
+        },
+    }
+}
+
+
+def import_router(hub: Hub) -> APIRouter:
+    """`POST /import`, below `/api/takes`."""
+    router = APIRouter(tags=["takes"])
+
+    @router.post("/import", openapi_extra=BODY)
+    async def import_(request: Request) -> dict[str, Any]:
+        """Files of one take (tape.mcap, meta.json, edits.jsonl), a .zip of takes, or a motion file.
+
+        Answers takes: their names here; refused: {name: why}; rejected: frames left out.
+        """
+        length = request.headers.get("content-length", "")
+        if not length.isdigit():
+            raise refused("say how long the files are (Content-Length)", 411)
+        if int(length) > MAX_BODY:
+            raise refused(f"more than {MAX_BODY // 2**30} GB at once: import fewer takes", 413)
+        if "multipart/form-data" not in request.headers.get("content-type", ""):
+            raise refused(f"{KINDS}, as multipart/form-data", 415)
+        async with request.form(max_files=len(FILES), max_fields=4) as form:
+            return await asyncio.get_running_loop().run_in_executor(
+                hub.workers, take_in, hub.sessions, form
+            )
+
+    return router
+
+
+def take_in(sessions: Path, form: FormData) -> dict[str, Any]:
+    """Import the files of a form; 422 with why, where none of them became a take."""
+    files = [f for f in form.getlist("files") if isinstance(f, UploadFile) and f.filename]
+    name, robot = (str(form.get(key) or "").strip() or None for key in ("name", "robot"))
+    try:
+        with tempfile.TemporaryDirectory(prefix="a1-import-") as scratch:
+            folder = Path(scratch) / fit_name(name or "take")
+            folder.mkdir()
+            stored = [_store(f.file, folder / _file_name(f.filename or "")) for f in files]
+            return {"rejected": 0, "refused": {}} | _imported(sessions, stored, robot)
+    except StudioError as error:
+        raise refused(str(error), 422) from error
+    except OSError as error:
+        raise refused(f"nothing was imported: {error.strerror or error}", 507) from error
+
+
+def _imported(sessions: Path, stored: list[Path], robot: str | None) -> dict[str, Any]:
+    if any(file.name == TAPE for file in stored):
+        taken, why = adding.add_all(sessions, [stored[0].parent])
+        if not taken:
+            raise StudioError("; ".join(why.values()))
+        return {"takes": taken}
+    if len(stored) == 1 and stored[0].suffix.lower() in (".zip", *SUFFIXES):
+        return import_take(sessions, stored[0], robot=robot)
+    raise StudioError(KINDS)
+
+
+def _file_name(sent: str) -> str:
+    """A take's own file names as they are; any other: its stem made fit, and its suffix."""
+    last = sent.replace("\\", "/").rpartition("/")[2]
+    if last in FILES:
+        return last
+    stem, dot, suffix = last.rpartition(".")
+    return f"{fit_name(stem or suffix, 'motion')}{dot}{fit_name(suffix, 'x') if dot else ''}"
+
+
+def _store(source: BinaryIO, path: Path) -> Path:
+    source.seek(0)
+    with path.open("wb") as out:
+        shutil.copyfileobj(source, out, 1 << 20)
+    return path
