@@ -257,6 +257,7 @@ class Puppeteer:
     def set_experts(self, experts: Experts) -> None:
         """Map the person by other experts from the next period on; what was seen is kept."""
         self.retargeter.use(experts)
+        self.config = replace(self.config, style=experts.style)
         self.rejoin()
 
     def set_controller(self, name: str) -> None:

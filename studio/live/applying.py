@@ -68,8 +68,13 @@ def _(command: c.SetController, session: "Session", now: float) -> Made:
 
 @apply.register(OpenedMapper)
 def _(command: OpenedMapper, session: "Session", now: float) -> Made:
+    if command.experts.style != session.puppeteer.config.style:
+        if session.recorder.recording is not None and session.mode != "collect":
+            raise StudioError(f"take {session.recorder.recording} is being recorded: stop it first")
+        session.collector.abort("the style was changed: the take was thrown away")
     session.mappers.swap(command)
     session.puppeteer.set_experts(command.experts)
+    session.walk_in(command.experts.style)
     return {"name": command.name or "shipped"}
 
 

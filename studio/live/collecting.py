@@ -242,6 +242,11 @@ class Acting:
         """Keep `source`, which began `played` s ago and will go on from there."""
         self._before = source, played
 
+    @property
+    def waiting(self) -> Source | None:
+        """The source that was replaced, if one was."""
+        return None if self._before is None else self._before[0]
+
     def leave(self) -> tuple[Source, float] | None:
         """What was kept, with its time (s); None when nothing was replaced."""
         before, self._before = self._before, None

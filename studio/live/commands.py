@@ -163,6 +163,14 @@ class SetMapper:
     back: bool = False
 
 
+@dataclass(frozen=True, kw_only=True)
+class SetStyle:
+    """Walking means another human motion from the next period on: a name of retarget.store.STYLES.
+    The shipped experts of that style take over; the built-in operator walks in it too."""
+
+    style: str
+
+
 Command = (
     SetMode
     | SetStateLock
@@ -185,6 +193,7 @@ Command = (
     | AddToPlan
     | CollectAction
     | SetMapper
+    | SetStyle
 )
 
 

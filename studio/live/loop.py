@@ -48,7 +48,6 @@ class LiveLoop:
         session: Session | None = None,
     ) -> None:
         self.session = session or Session(config or SessionConfig())
-        self.config = self.session.config
         self.clock = clock or WallClock()
         self.ticks: Latest[Tick] = Latest()
         self.period_error_ms: deque[float] = deque(maxlen=3000)
@@ -60,6 +59,11 @@ class LiveLoop:
         self._state: dict[str, Any] = {}
         self._running = threading.Event()
         self._thread: threading.Thread | None = None
+
+    @property
+    def config(self) -> SessionConfig:
+        """Where takes are, and how to drive, as of now."""
+        return self.session.config
 
     # From any thread ----------------------------------------------------------------------------
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from studio.errors import StudioError, unknown_name
-from studio.live.commands import SetMapper
+from studio.live.commands import SetMapper, SetStyle
 from studio.puppeteer import PuppeteerConfig
 from studio.recording.names import check_name
 from studio.retarget.store import Experts, load_experts, read_experts
@@ -60,9 +60,11 @@ def list_mappers(sessions: Path) -> list[dict[str, Any]]:
 
 
 def open_mapper(
-    sessions: Path, config: PuppeteerConfig, mappers: Mappers, command: SetMapper
+    sessions: Path, config: PuppeteerConfig, mappers: Mappers, command: SetMapper | SetStyle
 ) -> OpenedMapper:
     """Read what `command` asks for, on the caller's thread. StudioError if there is no such."""
+    if isinstance(command, SetStyle):
+        return OpenedMapper(name=None, experts=load_experts(command.style))
     if command.back:
         if mappers.before is None:
             raise StudioError("there is no mapper to go back to: none was swapped in yet")

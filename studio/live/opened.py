@@ -118,7 +118,7 @@ def prepared(session: "Session", command: Any) -> Any:
             machine = session.collector.machine
             slots = draw_slots(command.items, machine.plan.seed, len(machine.slots))
             return DrawnMore(slots=slots)
-        case c.SetMapper():
+        case c.SetMapper() | c.SetStyle():
             return open_mapper(config.sessions, config.puppeteer, session.mappers, command)
         case c.SetMode(mode="collect"):
             return OpenedCollect(operator=follower_for(config, source))

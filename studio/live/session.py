@@ -108,6 +108,14 @@ class Session:
         self.reading.use(opened.source, now, played)
         self.puppeteer.forget_person(opened.calibration)
 
+    def walk_in(self, style: str) -> None:
+        """Walking means `style` to whoever is watched next, and to the built-in operator now."""
+        self.config = replace(self.config, puppeteer=replace(self.config.puppeteer, style=style))
+        for source in (self.source, self.acting.waiting):
+            set_style = getattr(source, "set_style", None)
+            if set_style is not None:
+                set_style(style)
+
     def about(self) -> dict[str, Any]:
         """What a take's meta.json tells of how it came about."""
         puppeteer = self.puppeteer

@@ -1,5 +1,6 @@
 """The operator: the synthetic person as sources, touring, repeating one task, or by hand."""
 
+import copy
 import threading
 from collections.abc import Callable
 
@@ -46,6 +47,11 @@ class _Performed:
         """Index of the newest frame with time <= t, half a period of tolerance."""
         return int(np.floor(t / DT + 0.5))
 
+    def set_style(self, style: str) -> None:
+        """Mean walking by another motion from the next pose on (the thread that reads)."""
+        self.performer.set_style(style)
+        self.person = self.performer.person
+
     def calibration_poses(self) -> list[HumanPose]:
         """Two seconds of the same person standing quietly, as a careful user would begin."""
         quiet = np.zeros((60, sig.NUM))
@@ -69,6 +75,7 @@ class OperatorSource(_Performed):
         self._script = np.zeros((0, sig.NUM))
         self._block: list[HumanPose] = []
         self._first = 0
+        self._before = (self.performer, np.zeros((0, sig.NUM)))
 
     def read(self, t: float) -> HumanPose | None:
         """The newest pose with time <= t (s) that was not given before."""
@@ -84,12 +91,27 @@ class OperatorSource(_Performed):
         self._first += len(self._block)
         while len(self._script) < _BLOCK:
             self._script = np.concatenate([self._script, self._more()])
-        seen, confidence, _, _ = self.performer.advance(self._script[:_BLOCK])
-        self._script = self._script[_BLOCK:]
-        self._block = [
-            HumanPose(t=(self._first + i) * DT, joint_pos_w=seen[i], confidence=confidence[i])
-            for i in range(_BLOCK)
+        rows, self._script = self._script[:_BLOCK], self._script[_BLOCK:]
+        self._before = (copy.deepcopy(self.performer), rows)
+        self._block = self._performed(rows, self._first)
+
+    def _performed(self, rows: Array, first: int) -> list[HumanPose]:
+        seen, confidence, _, _ = self.performer.advance(rows)
+        return [
+            HumanPose(t=(first + i) * DT, joint_pos_w=seen[i], confidence=confidence[i])
+            for i in range(len(rows))
         ]
+
+    def set_style(self, style: str) -> None:
+        """As for all; what was performed ahead is performed again from here on."""
+        self.performer, rows = self._before
+        given = int(np.clip(self._given + 1 - self._first, 0, len(rows)))
+        if given:
+            self.performer.advance(rows[:given])
+        super().set_style(style)
+        self._first += given
+        self._before = (copy.deepcopy(self.performer), rows[given:])
+        self._block = self._performed(rows[given:], self._first) if given < len(rows) else []
 
     def _touring(self) -> Callable[[], Array]:
         signal, _ = tour_signal()

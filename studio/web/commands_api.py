@@ -24,6 +24,7 @@ from studio.live.commands import (
     SetMode,
     SetSource,
     SetStateLock,
+    SetStyle,
     Stop,
 )
 from studio.web.hub import Hub, misfit, refused
@@ -83,6 +84,12 @@ class MirrorBody(BaseModel):
     mirror: bool
 
 
+class StyleBody(BaseModel):
+    """march | circles | semantic."""
+
+    style: str = Field(max_length=64)
+
+
 class SeekBody(BaseModel):
     """Replay: where to, playing or paused, how fast."""
 
@@ -138,6 +145,11 @@ COMMANDS: dict[str, tuple[str, type[BaseModel] | None, Make]] = {
         "Move as in a mirror, or side for side.",
         MirrorBody,
         lambda b: SetMirror(mirror=b.mirror),
+    ),
+    "style": (
+        "Which human motion means walking, from now on; the built-in operator follows.",
+        StyleBody,
+        lambda b: SetStyle(style=b.style),
     ),
     "calibrate": (
         "Measure bone lengths and heading anew from what is seen now.",

@@ -16,6 +16,8 @@ const SLIDERS = [
   { name: "dead_zone", title: "Dead zone", low: 0, high: 0.3, step: 0.005, show: (v) => `${((v * 180) / Math.PI).toFixed(1)}°`, help: "Leaning less than this is ignored" },
   { name: "speed_cap", title: "Speed cap", low: 0, high: 1.5, step: 0.01, show: (v) => `${v.toFixed(2)} m/s`, help: "The robot walks no faster" },
 ];
+const STYLES = { march: "marching in place", circles: "circling your hands", semantic: "marching, read by rule" };
+const WALKING = { march: "walking as you march", circles: "walking as you circle your hands", semantic: "walking at the speed your steps say" };
 const app = { tick: null, state: null, link: "connecting", lastTick: 0 };
 window.a1studio = app; // for tests and the curious
 
@@ -53,6 +55,11 @@ for (const button of $$("#mode button"))
   button.addEventListener("click", () => attempt(() => post("/api/mode", { mode: button.dataset.mode })));
 for (const button of $$("#lock button"))
   button.addEventListener("click", () => attempt(() => post("/api/state", { state: button.dataset.state })));
+for (const button of $$("#style button"))
+  button.addEventListener("click", () => attempt(async () => {
+    await post("/api/style", { style: button.dataset.style });
+    toast(`Walking means ${STYLES[button.dataset.style]} now`, "good");
+  }));
 $("#theme").addEventListener("click", actions.T);
 $("#help").addEventListener("click", actions["?"]);
 $("#control").addEventListener("click", () => attempt(async () => {
@@ -80,7 +87,7 @@ for (const slider of SLIDERS) {
   $("#sliders").append(el("label", { class: "slider", title: slider.help }, el("span", {}, slider.title), output, input));
 }
 for (const item of VOCABULARY) {
-  const row = el("li", { "data-id": item.id });
+  const row = el("li", { "data-id": item.id, ...(item.style ? { "data-style": item.style, hidden: item.style !== "march" } : {}) });
   row.innerHTML = `<svg viewBox="0 0 40 40" aria-hidden="true">${item.svg}</svg>`;
   row.append(el("div", {}, el("b", {}, item.you), el("span", {}, `the robot ${item.it}`)));
   $("#vocabulary").append(row);
@@ -131,6 +138,8 @@ ticks((tick) => {
 function drawState(state) {
   press($("#mode"), "mode", state.mode);
   press($("#lock"), "state", state.state_lock);
+  press($("#style"), "style", state.style);
+  for (const row of $$("#vocabulary li[data-style]")) row.hidden = row.dataset.style !== state.style;
   const stopped = Boolean(state.stopped);
   $("#stopped").hidden = !stopped;
   $(".stage").classList.toggle("is-stopped", stopped);
@@ -142,7 +151,7 @@ function drawState(state) {
   text($("#stopped span"), needsReset ? "Its joints are damped. Press Reset to stand up, then Arm." : "It is up again. Press Arm to follow.");
   const status = $("#status");
   status.dataset.kind = stopped ? "stopped" : state.why ? "wait" : "moving";
-  const doing = { stand: "standing with you", walk: "walking as you march", sit: "sitting with you", transition: "changing its stance" };
+  const doing = { stand: "standing with you", walk: WALKING[state.style] ?? "walking", sit: "sitting with you", transition: "changing its stance" };
   text($("span", status), state.why ? capital(state.why)
     : state.mode === "collect" ? "Collecting: the robot shows what to act out"
     : state.mode === "replay" ? "Replaying a take, as it was" : `Following: ${doing[state.state] ?? state.state}`);

@@ -5,7 +5,7 @@ import { get, post } from "./net.js";
 
 const METHODS = [["yours", "Yours"], ["shipped", "Shipped"], ["ridge", "Ridge"], ["nearest_pair", "Nearest pair"]];
 const COLOURS = { stand: "--accent", walk: "--human", sit: "--good" };
-let takes = [], job = null, timer = null, seen = null;
+let takes = [], job = null, timer = null, seen = null, style = null;
 
 export function startTrain() {
   $("#train-body").append(
@@ -160,6 +160,7 @@ async function refreshMappers() {
 
 export function drawTrain(state) {
   const m = state.mapper;
+  if (m && style !== m.style) $("#train-style").value = style = m.style; // what is acted out now
   if (!m || seen === `${m.name}/${m.before}`) return;
   seen = `${m.name}/${m.before}`;
   text($("#mapper-now"), m.name);

@@ -1,4 +1,5 @@
-// Which human motion means what: the one table of the shipped mappers, drawn as stick figures.
+// Which human motion means what: the one table of the shipped mappers, drawn as stick figures. A line
+// with a style counts where walking means that.
 
 const head = (x, y) => `<circle cx="${x}" cy="${y}" r="4.2"/>`;
 const line = (...points) => `<path d="M${points.join("L")}"/>`;
@@ -14,9 +15,18 @@ export const VOCABULARY = [
     head(18, 15) + line("18 19", "16 30") + line("17 21", "24 22", "30 20") + line("16 30", "26 29", "25 37") },
   { id: "reach", you: "Raise or reach with an arm", it: "lifts the paw of that side", svg:
     head(20, 9) + line("20 13", "20 24") + line("20 14", "27 10", "31 3") + line("20 14", "14 18", "13 24") + line("15 37", "20 24", "25 37") },
-  { id: "walk", you: "March in place", it: "walks: faster steps, faster pace", svg:
+  { id: "walk", style: "march", you: "March in place", it: "walks: faster steps, faster pace", svg:
     head(20, 8) + line("20 12", "20 24") + line("14 20", "15 15", "20 13", "25 17", "29 15") + line("20 37", "20 24", "28 25", "27 33") },
-  { id: "turn", you: "Twist while marching", it: "turns that way", svg:
+  { id: "walk", style: "circles", you: "Circle your hands in turn, as if pedalling", it: "walks: faster circles, faster pace", svg:
+    head(20, 8) + line("20 12", "20 24") + line("20 14", "17 20", "24 18") + line("20 14", "21 20", "29 15") + line("15 37", "20 24", "25 37")
+    + `<path d="M33 12a7 7 0 1 1 -6 -2m0 0l3 -2m-3 2l2 3" opacity=".7"/>` },
+  { id: "walk", style: "semantic", you: "March in place, knees high", it: "walks: cadence and step height set its speed", svg:
+    head(20, 8) + line("20 12", "20 24") + line("14 20", "15 15", "20 13", "25 17", "29 15") + line("20 37", "20 24", "29 22", "28 31") + line("35 37", "35 20") + line("32 23", "35 20", "38 23") },
+  { id: "turn", style: "march", you: "Twist while marching", it: "turns that way", svg:
+    head(20, 8) + line("20 12", "20 24") + line("12 16", "20 13", "28 17") + line("20 37", "20 24", "27 25", "27 32") + `<path d="M8 31a13 5 0 0 0 22 3m0 0l-5 -1m5 1l-1 -5" opacity=".7"/>` },
+  { id: "turn", style: "circles", you: "Twist while circling", it: "turns that way", svg:
+    head(20, 8) + line("20 12", "20 24") + line("12 16", "20 13", "28 17") + line("15 37", "20 24", "25 37") + `<path d="M8 31a13 5 0 0 0 22 3m0 0l-5 -1m5 1l-1 -5" opacity=".7"/>` },
+  { id: "turn", style: "semantic", you: "Twist or lean aside while marching", it: "turns that way", svg:
     head(20, 8) + line("20 12", "20 24") + line("12 16", "20 13", "28 17") + line("20 37", "20 24", "27 25", "27 32") + `<path d="M8 31a13 5 0 0 0 22 3m0 0l-5 -1m5 1l-1 -5" opacity=".7"/>` },
 ];
 

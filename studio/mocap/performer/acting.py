@@ -17,6 +17,7 @@ def act(
     tempo: Array,
     walk: Array,
     pace: Array,
+    circles: Array,
     body_sway: Array,
     arm_sway: Array,
     beat: Array,
@@ -26,15 +27,15 @@ def act(
     """Posture of T frames of signal `s` (T, NUM), and (T, 2) how idle each arm is (right, left).
 
     tempo: (T,) strides per second of the march as a whole. walk, pace: (T,) in [0, 1], how much
-    of a marcher's steps, and of a marcher's carriage, has been taken up. The others are
-    those of `idle.Sway` and `idle.Fidgets`.
+    of a marcher's steps, and of a marcher's carriage, has been taken up. circles: (T,) in [0, 1],
+    how much walking is circling the hands instead of lifting the feet. The others are those of
+    `idle.Sway` and `idle.Fidgets`.
     """
     h = person.habits
     sit = s[:, sig.SIT]
     phase = s[:, sig.PHASE] + h.timing * beat
     bell, march = _steps(h, s, tempo, walk, phase)
-    if person.style == "circles":
-        march = np.zeros_like(march)
+    march = march * (1.0 - circles[:, None])
     trunk, pelvis = _trunk(h, s, pace, sit, body_sway, march, bell)
     knee, shank, heel, out = _knees(h, s, sit, body_sway[:, 7])
     lift, lift_knee, point = _lifts(h, s, bell, march)
@@ -47,7 +48,9 @@ def act(
         ],
         axis=-1,
     )
-    arms, free, idle = _arms(person, s, pace, sit, phase, arm_sway, gesture, gesture_weight)
+    arms, free, idle = _arms(
+        person, s, pace, circles, sit, phase, arm_sway, gesture, gesture_weight
+    )
     turn_head = np.stack(
         [
             -h.head_share * 0.5 * trunk[:, 0],
@@ -62,7 +65,7 @@ def act(
             shank=shank,
             pelvis_shift=shift,
             # Whoever stands and circles the hands hardly bobs.
-            pelvis_drop=(0.3 if person.style == "circles" else 1.0)
+            pelvis_drop=(1.0 - 0.7 * circles)
             * (h.bob * pace * 0.5 * (1.0 - np.cos(4.0 * np.pi * phase))),
             pelvis_rpy=pelvis,
             trunk_rpy=trunk,
@@ -173,6 +176,7 @@ def _arms(
     person: Person,
     s: Array,
     pace: Array,
+    circles: Array,
     sit: Array,
     phase: Array,
     arm_sway: Array,
@@ -191,7 +195,7 @@ def _arms(
         squat_idle = weight
     else:
         squat_idle = np.zeros_like(reach)
-    rest = rest + _march_arms(person, s, pace, phase)
+    rest = rest + _march_arms(person, s, pace, circles, phase)
     rest = rest + idle_weight[..., None] * (gesture - rest)
 
     out = s[:, sig.SIDE] * SIGN  # > 0: outwards
@@ -211,20 +215,21 @@ def _arms(
     return arms, free, np.maximum(idle_weight, squat_idle)
 
 
-def _march_arms(person: Person, s: Array, pace: Array, phase: Array) -> Array:
+def _march_arms(person: Person, s: Array, pace: Array, circles: Array, phase: Array) -> Array:
     """(T, 2, 4) what marching adds to resting arms: a swing against the legs, or the circles."""
     h = person.habits
     turn = 2.0 * np.pi * _leg_phase(phase)
     add = np.zeros((len(s), 2, 4))
     w = pace[:, None]
-    if person.style == "circles":
-        return w[..., None] * (_circles(person, s, turn) - h.hang)
     # An arm goes forward with the other side's leg: against its own.
     beat = -np.sin(turn + 0.35)
     add[..., 0] = w * (h.arm_swing * beat + 0.3 * h.march_out)
     add[..., 1] = w * h.march_out
     add[..., 3] = w * (h.march_flex + 0.35 * h.arm_swing * beat)
-    return add
+    if not circles.any():
+        return add
+    rounds = w[..., None] * (_circles(person, s, turn) - h.hang)
+    return add + circles[:, None, None] * (rounds - add)
 
 
 def _circles(person: Person, s: Array, turn: Array) -> Array:

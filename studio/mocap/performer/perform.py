@@ -1,6 +1,6 @@
 """Performer: intents in, human poses out, causal and online; `perform` runs a track at once."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -64,9 +64,14 @@ class Performer:
         self._tempo = Tempo()
         self._settle = Fir(bell(_SETTLE_S, DT, h.profile))
         self._carriage = Fir(bell(_CARRIAGE_S, DT, h.profile))
+        self._circles = Fir(bell(_CARRIAGE_S, DT, h.profile))
         self._last_phase: float | None = None
         self._strides = 0.0
         self.pace = np.zeros(0)  # of the frames last performed, see Performance
+
+    def set_style(self, style: str) -> None:
+        """Mean walking by another motion from the next frame on; arms and legs ease into it."""
+        self.person = replace(self.person, style=style)
 
     def advance(self, signal: Array) -> tuple[Array, Array, Array, Array]:
         """The next T frames of a signal (T, NUM).
@@ -82,8 +87,9 @@ class Performer:
         tempo = self._tempo(s[:, sig.CADENCE])
         legs, pace = self._settle(marching(s)), self._carriage(marching(s))
         self.pace = pace
+        circles = self._circles(np.full(steps, float(self.person.style == "circles")))
         posture, idle = act(
-            self.person, s, tempo, legs, pace, *self._sway(steps), *self._fidgets(steps)
+            self.person, s, tempo, legs, pace, circles, *self._sway(steps), *self._fidgets(steps)
         )
         true = joints(self.person.body, posture)
         half = 0.5 * self.person.habits.facing
