@@ -18,7 +18,9 @@ import tyro
 from onnx import TensorProto, helper, numpy_helper
 from scipy.signal import butter
 
+from studio.errors import StudioError
 from studio.imitation.action import ACTION_CLIP
+from studio.imitation.observation import HEADING_CLIP, PLACE_CLIP
 from studio.imitation.policy import Policy
 from studio.robot import a1
 
@@ -29,6 +31,8 @@ def export_onnx(name: str | Path, out: Path) -> Path:
     StudioError if there is no such policy.
     """
     policy = Policy.load(name)
+    if policy.observation.future:
+        raise StudioError("a policy that is given its future cannot be exported: train one without")
     config = policy.action_config
     coefficients = butter(2, config.cutoff_hz, fs=a1.CONTROL_HZ)
     b, a = (np.asarray(c) for c in cast(tuple[Any, Any], coefficients))
@@ -70,6 +74,13 @@ def export_onnx(name: str | Path, out: Path) -> Path:
         **policy.manifest,
         "filter": {"order": 2, "cutoff_hz": config.cutoff_hz, "b": b.tolist(), "a": a.tolist()},
         "filter_rest": "state rows: (1 - b0) q and (b2 - a2) q hold still at q",
+        "hold": {
+            "heading_gain": policy.observation.heading_gain,
+            "place_gain": policy.observation.place_gain,
+            "tau": policy.observation.hold_tau,
+            "heading_clip": HEADING_CLIP,
+            "place_clip": PLACE_CLIP,
+        },
         "joint_lower": a1.JOINT_LOWER.tolist(),
         "joint_upper": a1.JOINT_UPPER.tolist(),
         "torque_limit": a1.TORQUE_LIMIT.tolist(),

@@ -21,10 +21,16 @@ from studio.training.export import export_onnx
 REPO = Path(__file__).resolve().parents[2]
 
 
+HOLDING = ObservationConfig(heading_gain=1.0, place_gain=1.5)
+
+
 @pytest.fixture
 def weights(tmp_path: Path) -> Path:
+    return save_random(tmp_path, ObservationConfig())
+
+
+def save_random(tmp_path: Path, observation: ObservationConfig) -> Path:
     rng = np.random.default_rng(0)
-    observation = ObservationConfig()
     sizes = (observation.dim, 64, 64, 12)
     tensors = {"mean": rng.standard_normal(sizes[0]), "std": rng.uniform(0.5, 2.0, sizes[0])}
     for i, (a, b) in enumerate(itertools.pairwise(sizes)):
@@ -39,15 +45,18 @@ def weights(tmp_path: Path) -> Path:
     return path
 
 
-def runner_class() -> type:
-    spec = importlib.util.spec_from_file_location(
-        "runner", REPO / "models" / "policy" / "onnx_runner.py"
-    )
+def alone(name: str) -> Any:
+    """A file of models/policy as whoever copies it would import it."""
+    spec = importlib.util.spec_from_file_location(name, REPO / "models" / "policy" / f"{name}.py")
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module.Runner
+    return module
+
+
+def runner_class() -> type:
+    return alone("onnx_runner").Runner
 
 
 def poses(rng: np.random.Generator, t: int) -> tuple[ReferencePose, RobotState]:
@@ -62,7 +71,7 @@ def poses(rng: np.random.Generator, t: int) -> tuple[ReferencePose, RobotState]:
     )
     robot = RobotState(
         joint_pos=neutral.joint_pos + 0.1 * rng.standard_normal(12),
-        foot_contact=np.ones(4),
+        foot_contact=np.roll([1.0, 0.0, 0.0, 1.0], t // 5),
         t=t / 30.0,
         base_lin_vel_w=np.zeros(3),
         base_ang_vel_b=rng.standard_normal(3),
@@ -74,7 +83,11 @@ def poses(rng: np.random.Generator, t: int) -> tuple[ReferencePose, RobotState]:
     return reference, robot
 
 
-def test_onnx_and_its_runner_reproduce_the_targets(weights: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("observation", [ObservationConfig(), HOLDING])
+def test_onnx_and_its_runner_reproduce_the_targets(
+    observation: ObservationConfig, tmp_path: Path
+) -> None:
+    weights = save_random(tmp_path, observation)
     runner = runner_class()(str(export_onnx(weights, tmp_path / "stand.onnx")))
     policy, lowpass = Policy.load(weights), LowPass()
     rng = np.random.default_rng(1)
@@ -86,8 +99,10 @@ def test_onnx_and_its_runner_reproduce_the_targets(weights: Path, tmp_path: Path
             policy.reset(reference, robot)
             lowpass.reset(robot.joint_pos)
             runner.reset(z[0], p[0])
+            legs = alone("leg_odometry").LegOdometry(z[0], robot.foot_contact)
         ours = limit_target(lowpass.step(policy.action(reference, robot)))
-        worst = max(worst, float(np.abs(ours - runner.step(z[0], p[0])).max()))
+        moved = legs.step(z[0], robot.foot_contact)
+        worst = max(worst, float(np.abs(ours - runner.step(z[0], p[0], moved)).max()))
     assert worst < 1e-5
 
 
@@ -100,9 +115,17 @@ def test_the_file_says_what_it_needs(weights: Path, tmp_path: Path) -> None:
 
 
 def test_the_runner_needs_neither_studio_nor_many_lines() -> None:
-    text = (REPO / "models" / "policy" / "onnx_runner.py").read_text()
-    assert "studio" not in text
-    assert len(text.splitlines()) <= 50
+    for name in ("onnx_runner", "leg_odometry"):
+        text = (REPO / "models" / "policy" / f"{name}.py").read_text()
+        assert "studio" not in text
+        code = [line for line in text.split('"""', 2)[2].splitlines() if line.strip()]
+        assert len(code) <= 45
+
+
+def test_a_policy_that_is_given_its_future_is_not_exported(tmp_path: Path) -> None:
+    weights = save_random(tmp_path, ObservationConfig(future=(3,), future_kind="true"))
+    with pytest.raises(StudioError, match="future"):
+        export_onnx(weights, tmp_path / "x.onnx")
 
 
 def test_a_policy_that_is_not_there_names_those_that_are(tmp_path: Path) -> None:
