@@ -128,3 +128,26 @@ def test_a_slope_makes_the_imu_lean() -> None:
     world.set_dynamics(np.arange(1), drawn)
     rotvec = spatial.quat_to_rotvec(world.imu_quat[0])
     assert rotvec[:2] == pytest.approx(drawn.slope_axis[0])
+
+
+def test_no_motor_pushes_a_joint_past_its_free_speed() -> None:
+    qpos, qvel = stand(N)
+    qpos[:, 2] = 5.0  # in the air, where nothing holds a leg back
+    world = make()
+    world.reset(np.arange(N), qpos, qvel)
+    far = np.tile(a1.STAND_JOINT_POS, (N, 1))
+    far[:, 1] += 3.0
+    fastest = 0.0
+    for _ in range(6):
+        world.step(far)
+        fastest = max(fastest, float(np.abs(world.joint_vel).max()))
+    assert 10.0 < fastest <= a1.SPEED_LIMIT.min()
+
+
+def test_a_slow_joint_has_all_of_its_torque() -> None:
+    world = make()
+    held = make(free_speed=1e3)  # no torque-speed curve within reach
+    for _ in range(5):
+        world.step(np.tile(a1.STAND_JOINT_POS, (N, 1)))
+        held.step(np.tile(a1.STAND_JOINT_POS, (N, 1)))
+    np.testing.assert_array_equal(world.qpos, held.qpos)
