@@ -44,6 +44,12 @@ class HumanClip:
             t=float(self.t[i]), joint_pos_w=self.joint_pos_w[i], confidence=self.confidence[i]
         )
 
+    @property
+    def seconds(self) -> float:
+        """How long it lasts: the last frame as long as the others, so N frames last N periods."""
+        period = float(np.median(np.diff(self.t))) if len(self.t) > 1 else 1.0 / 30.0
+        return float(self.t[-1] - self.t[0]) + period
+
     def at_rate(self, rate: float) -> "HumanClip":
         """The clip as a loop at `rate` Hz sees it: at each period the newest frame so far.
 
@@ -51,8 +57,8 @@ class HumanClip:
         included, as a source's `read`.
         """
         period = 1.0 / rate
-        seconds = float(self.t[-1] - self.t[0])
-        t = np.arange(int(seconds / period + 0.5) + 1, dtype=np.float64) * period
+        count = max(int(np.ceil((self.seconds - 1e-9) / period - 0.5)), 1)
+        t = np.arange(count, dtype=np.float64) * period
         newest = np.searchsorted(self.t - self.t[0], t + 0.5 * period - 1e-9) - 1
         newest = np.maximum(newest, 0)
         return HumanClip(

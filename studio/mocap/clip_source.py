@@ -22,9 +22,7 @@ class ClipSource:
         self.name = name if name is not None else clip.name
         self.clip = clip
         self._t = clip.t - clip.t[0]
-        # The last pose is shown as long as the others: N poses at any rate last N periods.
-        period = float(np.median(np.diff(self._t))) if len(self._t) > 1 else CONTROL_DT
-        self.duration: float | None = float(self._t[-1]) + period
+        self.duration: float | None = clip.seconds
         self._given = -1
         self._rejected = rejected
 

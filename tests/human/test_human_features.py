@@ -196,8 +196,8 @@ def test_normalizer_gives_unit_columns_leaves_constant_ones_at_zero_and_inverts(
 def test_at_rate_gives_the_newest_frame_so_far():
     clip = wandering_clip(seconds=1.0, rate=120.0)
     slow = clip.at_rate(30)
-    assert len(slow) == 31
-    assert np.diff(slow.t) == pytest.approx(np.full(30, 1 / 30))
+    assert len(slow) == 30  # one second
+    assert np.diff(slow.t) == pytest.approx(np.full(29, 1 / 30))
     # at 1/30 s (+ half a period of tolerance, 1/60 s) frame 5 of 120 Hz (t = .0417) is the newest
     assert (slow.joint_pos_w[1] == clip.joint_pos_w[5]).all()
 
