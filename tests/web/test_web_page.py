@@ -56,7 +56,7 @@ class Served:
 
     def __init__(self, sessions: Path, *options: str) -> None:
         environment = {**os.environ, "OMP_NUM_THREADS": "1"}
-        self.begun = time.monotonic()
+        self.begun, self.sessions = time.monotonic(), sessions
         self.process = subprocess.Popen(
             [sys.executable, "-m", "studio", "serve", "--port", "0",
              "--sessions", str(sessions), *options],

@@ -3,6 +3,7 @@
 import { $, attempt, capital, el, press, text, toast } from "./ui.js";
 import { call, get, post } from "./net.js";
 import { Metronome } from "./metronome.js";
+import { importZone } from "./imports.js";
 import { openReview, reviewing } from "./review.js";
 import { drawTrain, pickTakes, startTrain } from "./train.js";
 
@@ -54,7 +55,7 @@ export function startCollect(studio) {
           el("input", { type: "checkbox", id: "collect-sound", role: "switch", checked: true }), el("span", {}, "Ticks"))),
       el("input", { type: "text", id: "collect-notes", maxlength: 4000, placeholder: "Notes on this session (optional)", "aria-label": "Notes on this session" }),
       el("button", { class: "wide main", id: "collect-begin" }, "Begin")),
-    card("library", "Takes", el("ul", { class: "takes tall", id: "collected" }),
+    card("library", "Takes", importZone(), el("ul", { class: "takes tall", id: "collected" }),
       el("p", { class: "note", id: "collect-sessions" })),
     card("map", "What is covered", el("div", { id: "map-next", class: "proposals" }), el("div", { id: "map-states", class: "map" })),
     card("train", "Train a mapper of your own", el("div", { id: "train-body" })),

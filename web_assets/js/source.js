@@ -3,6 +3,7 @@
 import { $, attempt, capital, el, text, toast } from "./ui.js";
 import { post, Refused, call } from "./net.js";
 import { DRIVE } from "./keys.js";
+import { importDrop, wantsImport } from "./imports.js";
 
 const MAX_FILE = 64 * 2 ** 20;
 
@@ -42,15 +43,22 @@ export function startSource(app) {
   });
   $("#pad").append(...DRIVE.map(([key, what]) => el("div", {}, el("kbd", {}, key), what)));
   let depth = 0;
-  const drag = (kind, files) => {
+  const collects = () => document.body.dataset.work === "collect";
+  const drag = (kind, transfer) => {
     if (kind === "dragenter") depth += 1;
     if (kind === "dragleave") depth = Math.max(0, depth - 1);
-    if (kind === "drop") { depth = 0; if (files?.[0]) openFile(files[0]); }
+    if (kind === "drop") {
+      depth = 0;
+      // Collecting, a motion is to be kept; live, it is to move the robot at once.
+      if (collects() || wantsImport(transfer)) importDrop(transfer);
+      else if (transfer?.files?.[0]) openFile(transfer.files[0]);
+    }
     $("#drop").hidden = depth === 0;
+    text($("#drop span"), collects() ? "takes in folders or a zip, a .bvh or .jsonl motion: they become takes" : "a .bvh or .jsonl motion file plays at once; takes are imported");
   };
   for (const kind of ["dragenter", "dragover", "dragleave", "drop"])
-    window.addEventListener(kind, (event) => { event.preventDefault(); drag(kind, event.dataTransfer?.files); });
-  document.addEventListener("frame-drag", (event) => drag(event.detail.kind, event.detail.files));
+    window.addEventListener(kind, (event) => { event.preventDefault(); drag(kind, event.dataTransfer); });
+  document.addEventListener("frame-drag", (event) => drag(event.detail.kind, event.detail.transfer));
 }
 
 // "bvh:/tmp/…/1a2b3c4d_march.bvh" is, to a person, "march.bvh".

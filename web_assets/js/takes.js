@@ -40,7 +40,7 @@ async function refresh() {
     list.replaceChildren(el("li", { class: "empty" }, "No takes yet. Recording keeps you and the robot together."));
     return;
   }
-  list.replaceChildren(...takes.slice(0, 60).map((take) => el("li", {},
+  list.replaceChildren(...[...takes].reverse().slice(0, 60).map((take) => el("li", {},
     el("div", { class: "name", title: take.name }, el("b", {}, take.label || take.name),
       el("span", {}, `${(take.seconds ?? 0).toFixed(1)} s · ${take.ticks ?? 0} ticks`)),
     el("button", { title: "Let the recorded person drive the robot again", onclick: () =>

@@ -30,7 +30,7 @@ export function startView({ keys, ready }) {
     for (const kind of ["dragenter", "dragover", "dragleave", "drop"])
       inner.addEventListener(kind, (event) => {
         event.preventDefault();
-        document.dispatchEvent(new CustomEvent("frame-drag", { detail: { kind, files: event.dataTransfer?.files } }));
+        document.dispatchEvent(new CustomEvent("frame-drag", { detail: { kind, transfer: event.dataTransfer } }));
       });
   });
   frame.src = "/view/";
