@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from studio.evaluation.contenders import Contender, baseline, contender, trained
 from studio.evaluation.disturbed import disturbed
-from studio.evaluation.tracking import CACHE, Motions, compare, library, names_of
+from studio.evaluation.tracking import CACHE, Job, Motions, compare, library, names_of
 from studio.imitation.bank import MotionBank
 from studio.imitation.controller import SPEED_LIMIT
 from studio.imitation.policy import MODELS
@@ -55,7 +55,7 @@ def run_ablation(
     rows = []
     for state in cast(list[StateName], names_of("state", states, STATES)):
         who = [baseline("pd_playback"), contender("policy", state, models)]
-        jobs = [(state, each) for each in who if each is not None]
+        jobs: list[Job] = [(state, each) for each in who if each is not None]
         for name, motions in _test_time(state).items():
             done = compare(jobs, episodes, seed, int(threads), cache, progress, motions)
             rows += [{"kind": "test", "variant": name, **row} for row in done]

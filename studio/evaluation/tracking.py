@@ -31,6 +31,7 @@ CHUNK = 256
 HELD_OUT = 10_000
 """Added to the seed of the motions: training's banks use seeds below it."""
 CACHE = Path("runs/evaluate")
+Job = tuple[StateName, Contender]
 Motions = Callable[[StateName, int, int], MotionBank]
 
 # Name in a row: (figure of an episode, from the mean to the row's unit).
@@ -72,12 +73,12 @@ def run_tracking(
     wanted = cast(list[StateName], names_of("state", states, STATES))
     chosen = names_of("controller", controllers, CONTROLLERS)
     jobs = [(s, contender(c, s, models)) for s in wanted for c in chosen]
-    present = [(s, c) for s, c in jobs if c is not None]
+    present: list[Job] = [(s, c) for s, c in jobs if c is not None]
     return {"rows": compare(present, episodes, seed, int(threads), cache, progress)}
 
 
 def compare(
-    jobs: Sequence[tuple[StateName, Contender]],
+    jobs: Sequence[Job],
     episodes: int,
     seed: int,
     threads: int = 0,

@@ -12,7 +12,7 @@ from typing import Any, cast
 import numpy as np
 
 from studio.evaluation.contenders import contender
-from studio.evaluation.tracking import CACHE, Motions, compare
+from studio.evaluation.tracking import CACHE, Job, Motions, compare
 from studio.imitation.bank import MotionBank, assemble, warp
 from studio.imitation.crossing import SOURCES, crossing, rests_on_legs
 from studio.imitation.policy import MODELS
@@ -54,7 +54,7 @@ def run_transitions(
     for goal, sources in SOURCES.items():
         for source in sources:
             present = [(goal, contender(name, goal, models)) for name in controllers]
-            jobs = [(state, who) for state, who in present if who is not None]
+            jobs: list[Job] = [(state, who) for state, who in present if who is not None]
             motions = crossings_from(cast(StateName, source))
             done = compare(jobs, episodes, seed, threads, cache, progress, motions)
             rows += [{"from": source, "to": goal, **row} for row in done]

@@ -83,4 +83,5 @@ def fit(
         futures.append((later / scale).reshape(len(motions), -1))
     x, y = np.concatenate(inputs), np.concatenate(futures)
     gram = x.T @ x + ridge * np.eye(x.shape[1])
-    return Foresight(weight=np.linalg.solve(gram, x.T @ y), mean=mean, scale=scale)
+    weight = np.asarray(np.linalg.solve(gram, x.T @ y), dtype=np.float64)
+    return Foresight(weight=weight, mean=mean, scale=scale)

@@ -238,11 +238,15 @@ def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
     began = last_save = time.monotonic()
     first = trainer.samples
 
+    def write(figures: dict[str, float]) -> None:
+        if writer:
+            for name, value in figures.items():
+                writer.add_scalar(name, value, trainer.samples)
+
     def lesson(figures: dict[str, float]) -> None:
         nonlocal last_save
         log.info("%s taught %.2f M: %s", config.state, trainer.samples / 1e6, _brief(figures))
-        for name, value in figures.items() if writer else ():
-            writer.add_scalar(f"teacher/{name}", value, trainer.samples)
+        write({f"teacher/{name}": value for name, value in figures.items()})
         if time.monotonic() - last_save > config.checkpoint_seconds:
             last_save = time.monotonic()
             _keep(trainer, figures, folder)
@@ -255,8 +259,7 @@ def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
         if crew.agreed(time.monotonic() - began) >= 3600.0 * config.hours:
             break
         figures = trainer.step()
-        for name, value in figures.items() if writer else ():
-            writer.add_scalar(name, value, trainer.samples)
+        write(figures)
         _progress(config, trainer, figures, first, time.monotonic() - began)
         if time.monotonic() - last_save > config.checkpoint_seconds:
             last_save = time.monotonic()
