@@ -36,7 +36,10 @@ MAX_SOCKET_MESSAGE = 8 * 1024 * 1024
 
 def bind(host: str, port: int) -> socket.socket:
     """A listening socket, so that a taken port is known before anything starts."""
-    listener = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    # The protocol by name: only then does asyncio send at once (TCP_NODELAY), or every answer
+    # waits 40 ms for the client's delayed acknowledgement.
+    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind((host, port))
