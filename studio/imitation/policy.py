@@ -16,6 +16,7 @@ from studio.imitation import frames
 from studio.imitation.action import ActionConfig, clip_action, pd_target
 from studio.imitation.foresight import Foresight
 from studio.imitation.observation import History, ObservationConfig
+from studio.imitation.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
 from studio.reference import scalars
 from studio.reference.intent import STATES
 from studio.robot import a1
@@ -42,13 +43,36 @@ class Network:
         return x @ self.weights[-1] + self.biases[-1]
 
 
+class Symmetric:
+    """A network and its mirror image, averaged: ½ (π(o) + M π(M o)), M left and right exchanged.
+
+    What a network has learnt to the left it then also does to the right.
+    """
+
+    def __init__(self, network: Network, observation: ObservationConfig) -> None:
+        self.network = network
+        index, sign = observation_mirror(observation)
+        self._index, self._sign = index, sign.astype(np.float32)
+        self._joint_sign = JOINT_SIGN.astype(np.float32)
+
+    def __call__(self, observation: NDArray[np.float32]) -> NDArray[np.float32]:
+        """As the network: (N, dim) float32 to (N, 12)."""
+        both = np.concatenate([observation, observation[:, self._index] * self._sign])
+        action = self.network(both)
+        half = len(observation)
+        return 0.5 * (action[:half] + action[half:][:, JOINT_INDEX] * self._joint_sign)
+
+
 class Policy:
     """One expert and the history it sees. One thread only; `reset` before the first action."""
 
     def __init__(self, tensors: dict[str, NDArray[np.float32]], manifest: dict[str, Any]) -> None:
         self.manifest = manifest
-        self.network = Network(tensors)
         self.observation = ObservationConfig(**manifest["observation"])
+        self.layers = Network(tensors)
+        self.network: Network | Symmetric = self.layers
+        if manifest.get("symmetric", False):
+            self.network = Symmetric(self.layers, self.observation)
         self.action_config = ActionConfig(**manifest["action"])
         self._level = scalars.rows(manifest["level_quat"])
         self.neutral = np.array(manifest["neutral_joint_pos"])

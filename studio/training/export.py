@@ -21,7 +21,8 @@ from scipy.signal import butter
 from studio.errors import StudioError
 from studio.imitation.action import ACTION_CLIP
 from studio.imitation.observation import HEADING_CLIP, PLACE_CLIP
-from studio.imitation.policy import Policy
+from studio.imitation.policy import Policy, Symmetric
+from studio.imitation.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
 from studio.robot import a1
 
 
@@ -37,16 +38,19 @@ def export_onnx(name: str | Path, out: Path) -> Path:
     coefficients = butter(2, config.cutoff_hz, fs=a1.CONTROL_HZ)
     b, a = (np.asarray(c) for c in cast(tuple[Any, Any], coefficients))
     graph = _Graph()
-    graph.constant("mean", policy.network.mean[None])
-    graph.constant("scale", policy.network.scale[None])
-    x = graph.op("Mul", graph.op("Sub", "observation", "mean"), "scale")
-    layers = len(policy.network.weights)
-    for i, (weight, bias) in enumerate(zip(policy.network.weights, policy.network.biases)):
+    layers = policy.layers
+    graph.constant("mean", layers.mean[None])
+    graph.constant("scale", layers.scale[None])
+    for i, (weight, bias) in enumerate(zip(layers.weights, layers.biases, strict=True)):
         graph.constant(f"weight_{i}", weight)
         graph.constant(f"bias_{i}", bias)
-        x = graph.op("Gemm", x, f"weight_{i}", f"bias_{i}")
-        if i < layers - 1:
-            x = graph.op("Relu", x)
+    x = graph.network("observation", len(layers.weights))
+    if isinstance(policy.network, Symmetric):
+        index, sign = observation_mirror(policy.observation)
+        other = graph.network(graph.mirrored("observation", index, sign), len(layers.weights))
+        both = graph.op("Add", x, graph.mirrored(other, JOINT_INDEX, JOINT_SIGN))
+        graph.constant("half", np.float32(0.5))
+        x = graph.op("Mul", both, "half")
     bounds = {"lo": -ACTION_CLIP, "hi": ACTION_CLIP, "action_scale": config.scale}
     for key, value in bounds.items():
         graph.constant(key, np.float32(value))
@@ -110,6 +114,21 @@ class _Graph:
         out = out or f"v{len(self.nodes)}"
         self.nodes.append(helper.make_node(kind, list(inputs), [out], **attributes))
         return out
+
+    def network(self, x: str, layers: int) -> str:
+        """Normaliser and layers, whose constants are there already."""
+        x = self.op("Mul", self.op("Sub", x, "mean"), "scale")
+        for i in range(layers):
+            x = self.op("Gemm", x, f"weight_{i}", f"bias_{i}")
+            if i < layers - 1:
+                x = self.op("Relu", x)
+        return x
+
+    def mirrored(self, x: str, index: Any, sign: Any) -> str:
+        """x (1, n) with left and right exchanged."""
+        self.constant(f"{x}_index", np.asarray(index, dtype=np.int64))
+        self.constant(f"{x}_sign", np.asarray(sign)[None])
+        return self.op("Mul", self.op("Gather", x, f"{x}_index", axis=1), f"{x}_sign")
 
     def model(self, dim: int) -> onnx.ModelProto:
         def value(name: str, *shape: int) -> Any:

@@ -205,6 +205,7 @@ class PolicyTrainer:
             commit=commit(),
             recipe=asdict(self.config.made_by),
             tasks=list(self.env.env.bank.tasks),
+            symmetric=self.config.made_by.mirror_loss > 0.0,
             transitions=any(t.startswith("from_") for t in self.env.env.bank.tasks),
             stage=self.env.env.curriculum.level,
             stages=len(self.env.env.curriculum.ladder),

@@ -34,6 +34,8 @@ class Recipe:
     anchor_tau, anchor_yaw_tau: s, see EnvConfig: walking at 0.5 s, a speed that is 0.08 m/s short
     costs 3 % of the reward, at 3 s 68 %. noise_low: rad, least σ of the reference noise: a
     policy that has only met noise reads small tilts as noise. root_ori: scale of that reward term.
+    mirror_loss: see PpoConfig; the weights then run symmetric (`policy.Symmetric`), or a robot
+    that is asked to walk straight turns by some degrees a second.
     """
 
     distil: int = 800_000
@@ -43,6 +45,7 @@ class Recipe:
     anchor_yaw_tau: float = 0.5
     noise_low: float = 0.0
     root_ori: float = 5.0
+    mirror_loss: float = 1.0
 
 
 RECIPES: dict[PolicyName, Recipe] = {
@@ -190,5 +193,5 @@ def algorithm_of(config: PolicyTraining) -> PpoConfig:
         # Lessons are mirrored already. With a taught policy's small spread, PPO's ratio of a
         # mirrored sample (old probability of the original) is far from 1 however symmetric
         # the policy nearly is: reward then falls while PPO believes it rises (measured).
-        ppo = replace(ppo, mirror=False)
+        ppo = replace(ppo, mirror=False, mirror_loss=config.made_by.mirror_loss)
     return ppo

@@ -22,7 +22,11 @@ from studio.training.parallel import ALONE, Crew
 
 @dataclass(frozen=True, kw_only=True)
 class PpoConfig:
-    """PPO's own figures; `PAPER` holds those of the paper."""
+    """PPO's own figures; `PAPER` holds those of the paper.
+
+    mirror: learn from mirrored copies of every sample. mirror_loss: weight of the squared
+    difference between the mirrored mean action and the action on the mirrored observation.
+    """
 
     horizon: int = 24
     epochs: int = 4
@@ -39,6 +43,7 @@ class PpoConfig:
     max_std: float = 0.3
     hidden: tuple[int, ...] = (256, 256)
     mirror: bool = True
+    mirror_loss: float = 0.0
 
 
 PAPER = PpoConfig(
@@ -126,11 +131,13 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig, crew: Crew = ALONE) -> PPO:
         "schedule": "adaptive" if ppo.desired_kl else "fixed",
         "desired_kl": ppo.desired_kl,
     }
-    if ppo.mirror:
+    if ppo.mirror or ppo.mirror_loss:
         # A plain function: the settings are deep-copied, and the environment must not be.
         algorithm["symmetry_cfg"] = {
             "data_augmentation_func": lambda **batch: env.mirrored(**batch),
-            "use_data_augmentation": True,
+            "use_data_augmentation": ppo.mirror,
+            "use_mirror_loss": ppo.mirror_loss > 0.0,
+            "mirror_loss_coeff": ppo.mirror_loss,
         }
     settings = {
         "num_steps_per_env": ppo.horizon,
@@ -142,7 +149,7 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig, crew: Crew = ALONE) -> PPO:
     }
     with contextlib.redirect_stdout(io.StringIO()):  # the library prints its models
         alg = PPO.construct_algorithm(env.present(), cast(Any, env), settings, "cpu")
-    if alg.symmetry is not None:
+    if alg.symmetry is not None and not ppo.mirror_loss:
         # It would forward the whole mirrored batch once more for a figure nobody reads.
         alg.symmetry.compute_loss = lambda *_: torch.zeros(())  # type: ignore[method-assign]
     # A zero last layer: training starts as PD playback, not as noise about it.

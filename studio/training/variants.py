@@ -3,8 +3,8 @@
     python -m studio.training.variants walk no_randomisation
 
 goes on where an earlier run of it stopped, and puts the weights beside the shipped ones, in
-models/policy/ablation. All share a plain recipe (no heading, no crossings, reference noise of 2 to
-4 degrees), so that one change at a time is seen.
+models/policy/ablation. All share a plain recipe (nothing held, no crossings, no mirror loss,
+reference noise of 2 to 4 degrees), so that one change at a time is seen.
 """
 
 import logging
@@ -22,7 +22,7 @@ from studio.training.policy import run_train_policy
 from studio.training.policy_settings import PolicyName, PolicyTraining, Recipe
 
 BUDGET = 3_000_000
-PLAIN = Recipe(noise_low=float(np.radians(2.0)))
+PLAIN = Recipe(noise_low=float(np.radians(2.0)), mirror_loss=0.0)
 TAUGHT: dict[PolicyName, int] = {"stand": 800_000, "walk": 800_000, "sit": 0, "all": 800_000}
 VARIANTS: dict[str, dict[str, Any]] = {
     "full": {},

@@ -19,6 +19,7 @@ from studio.imitation.observation import (
     roll_pitch,
     sensor_frame,
 )
+from studio.imitation.policy import Network, Symmetric
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1
@@ -63,16 +64,16 @@ def test_reference_velocity_is_in_its_own_heading_frame() -> None:
 def test_observation_is_oldest_first_and_resets_per_robot() -> None:
     config = ObservationConfig()
     history = History(2, config)
-    history.reset(slice(None), np.zeros((2, 17)), np.zeros((2, 18)))
+    history.reset(slice(None), np.zeros((2, 17)), np.zeros((2, 18)), np.ones((2, 4)))
     for k in range(1, 4):
         history.push_action(np.full((2, 12), 10.0 + k))
-        history.push(np.full((2, 17), float(k)), np.full((2, 18), 20.0 + k))
+        history.push(np.full((2, 17), float(k)), np.full((2, 18), 20.0 + k), np.ones((2, 4)))
     o = history.observation()
     assert o.shape == (2, config.dim) == (2, 176)
     assert list(o[0, [0, 17, 34, 51]]) == [0.0, 1.0, 2.0, 3.0]
     assert list(o[0, [68, 80, 92]]) == [11.0, 12.0, 13.0]
     assert list(o[0, [104, 122, 140, 158]]) == [0.0, 21.0, 22.0, 23.0]
-    history.reset(np.array([1]), np.full((1, 17), 7.0), np.full((1, 18), 8.0))
+    history.reset(np.array([1]), np.full((1, 17), 7.0), np.full((1, 18), 8.0), np.ones((1, 4)))
     assert np.array_equal(history.observation()[0], o[0])
     assert set(history.observation()[1]) == {7.0, 0.0, 8.0}
 
@@ -194,3 +195,23 @@ def test_reference_yaw_rate_is_the_vertical_part_of_the_turning() -> None:
 def test_roll_pitch_agree_with_spatial() -> None:
     rpy = np.random.default_rng(0).uniform(-1.0, 1.0, (20, 3))
     assert roll_pitch(spatial.quat_from_rpy(rpy)) == pytest.approx(rpy[:, :2])
+
+
+def test_a_symmetric_network_acts_in_the_mirror_as_its_mirror_image() -> None:
+    rng = np.random.default_rng(0)
+    config = ObservationConfig()
+    tensors = {
+        "mean": rng.standard_normal(config.dim),
+        "std": rng.uniform(0.5, 2.0, config.dim),
+        "weight_0": rng.standard_normal((16, config.dim)),
+        "bias_0": rng.standard_normal(16),
+        "weight_1": rng.standard_normal((12, 16)),
+        "bias_1": rng.standard_normal(12),
+    }
+    network = Network({k: v.astype(np.float32) for k, v in tensors.items()})
+    index, sign = symmetry.observation_mirror(config)
+    seen = rng.standard_normal((3, config.dim)).astype(np.float32)
+    mirrored = (seen[:, index] * sign).astype(np.float32)
+    act = Symmetric(network, config)
+    np.testing.assert_allclose(act(mirrored), symmetry.mirror_joints(act(seen)), atol=1e-5)
+    assert np.abs(network(mirrored) - symmetry.mirror_joints(network(seen))).max() > 0.1

@@ -29,7 +29,7 @@ def weights(tmp_path: Path) -> Path:
     return save_random(tmp_path, ObservationConfig())
 
 
-def save_random(tmp_path: Path, observation: ObservationConfig) -> Path:
+def save_random(tmp_path: Path, observation: ObservationConfig, *, symmetric: bool = False) -> Path:
     rng = np.random.default_rng(0)
     sizes = (observation.dim, 64, 64, 12)
     tensors = {"mean": rng.standard_normal(sizes[0]), "std": rng.uniform(0.5, 2.0, sizes[0])}
@@ -38,7 +38,13 @@ def save_random(tmp_path: Path, observation: ObservationConfig) -> Path:
         tensors[f"bias_{i}"] = 0.1 * rng.standard_normal(b)
     neutral = NEUTRAL["stand"]
     manifest = manifest_of(
-        "stand", observation, ActionConfig(), neutral.base_quat, neutral.joint_pos, seed=0
+        "stand",
+        observation,
+        ActionConfig(),
+        neutral.base_quat,
+        neutral.joint_pos,
+        seed=0,
+        symmetric=symmetric,
     )
     path = tmp_path / "stand.safetensors"
     save_policy(path, {k: v.astype(np.float32) for k, v in tensors.items()}, manifest)
@@ -83,11 +89,12 @@ def poses(rng: np.random.Generator, t: int) -> tuple[ReferencePose, RobotState]:
     return reference, robot
 
 
+@pytest.mark.parametrize("symmetric", [False, True])
 @pytest.mark.parametrize("observation", [ObservationConfig(), HOLDING])
 def test_onnx_and_its_runner_reproduce_the_targets(
-    observation: ObservationConfig, tmp_path: Path
+    observation: ObservationConfig, symmetric: bool, tmp_path: Path
 ) -> None:
-    weights = save_random(tmp_path, observation)
+    weights = save_random(tmp_path, observation, symmetric=symmetric)
     runner = runner_class()(str(export_onnx(weights, tmp_path / "stand.onnx")))
     policy, lowpass = Policy.load(weights), LowPass()
     rng = np.random.default_rng(1)
