@@ -176,7 +176,7 @@ def test_exported_weights_act_like_the_trained_network(bank: MotionBank, tmp_pat
     with torch.inference_mode():
         trained.alg.eval_mode()
         expected = trained.alg.actor(trained.obs).numpy()
-    assert policy.network(observation) == pytest.approx(expected, abs=1e-5)
+    assert policy.layers(observation) == pytest.approx(expected, abs=1e-5)
     assert policy.manifest["samples"] == 96
     assert policy.manifest["state"] == "sit"
 
