@@ -1,8 +1,13 @@
-"""The volume that the right front paw reaches while standing, with tilts and without."""
+"""The volume that the right front paw reaches while standing, with tilts and without.
 
+python -m studio.evaluation.workspace models/policy/workspace.png    (draws where it was)
+"""
+
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import tyro
 from numpy.typing import NDArray
 
 from studio.evaluation.scripted import controllers, record
@@ -65,3 +70,45 @@ def _reached(episodes: int, seed: int, controller: str, *, tilt: bool) -> tuple[
     paw = kinematics.foot_pos_w(done.base_pos, done.base_quat, done.joint_pos)[:, :, 0]
     raised = np.stack([m.foot_contact[1:, 0] < 0.5 for m in done.motions], axis=1)
     return paw[raised & done.alive], float(done.alive[-1].mean())
+
+
+def draw_chart(out: tyro.conf.Positional[Path], episodes: int = 64, seed: int = 0) -> Path:
+    """Where the policy's paw was, from the side and from above: without tilts over with them."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot as plt
+
+    controller = controllers("stand")[-1]
+    clouds = {
+        tilt: np.unique(
+            np.floor(_reached(episodes, seed, controller, tilt=tilt)[0] / VOXEL), axis=0
+        )
+        for tilt in (True, False)
+    }
+    figure, axes = plt.subplots(1, 2, figsize=(11.0, 5.0))
+    names = ("forward", "left", "up")
+    for axis, (i, j) in zip(axes, ((0, 2), (0, 1)), strict=True):
+        for tilt, colour in ((True, "#f4a259"), (False, "#2a6f97")):
+            points = (clouds[tilt] + 0.5) * VOXEL
+            label = f"{'with' if tilt else 'without'} tilts: {1e3 * len(points) * VOXEL**3:.1f} l"
+            axis.scatter(points[:, i], points[:, j], s=9, color=colour, alpha=0.5, label=label)
+        axis.set_xlabel(f"{names[i]} (m)")
+        axis.set_ylabel(f"{names[j]} (m)")
+        axis.set_aspect("equal")
+        axis.grid(alpha=0.3)
+        axis.spines[["top", "right"]].set_visible(False)
+    axes[0].legend(loc="upper left", fontsize=9)
+    ratio = len(clouds[True]) / len(clouds[False])
+    figure.suptitle(
+        f"Right front paw of the standing robot in physics ({controller}), "
+        f"voxels of {100 * VOXEL:.0f} cm: {ratio:.1f} times the volume with tilts"
+    )
+    figure.tight_layout()
+    figure.savefig(out, dpi=120)
+    plt.close(figure)
+    return out
+
+
+if __name__ == "__main__":
+    tyro.cli(draw_chart)

@@ -1,0 +1,71 @@
+"""Who survives a kick: the trunk's velocity is changed at once, in any direction.
+
+0.5 m/s standing and 0.3 m/s walking, at nominal dynamics on clean references, once an episode at a
+random moment between 1 and 6 s; the episode then goes on to its 10 s.
+"""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studio.evaluation.contenders import contender
+from studio.evaluation.tracking import HELD_OUT, commit, library
+from studio.imitation import episodes as simulate
+from studio.imitation.policy import MODELS
+from studio.reference.intent import StateName
+
+KICK_M_S: dict[StateName, float] = {"stand": 0.5, "walk": 0.3}
+CONTROLLERS = ("pd_playback", "policy")
+MOMENTS_S = (1.0, 6.0)
+
+
+def run_kicks(
+    episodes: int = 256, seed: int = 0, *, threads: int | str = 0, models: Path = MODELS
+) -> dict[str, Any]:
+    """`{"rows": [...]}` per state and controller: the share of episodes `survived` to their end,
+    kicked, and `survived_unkicked` of the same episodes without the kick."""
+    rows = []
+    for state, size in KICK_M_S.items():
+        bank = library(state, episodes, HELD_OUT + 1000 * seed + 500)
+        for name in CONTROLLERS:
+            who = contender(name, state, models)
+            if who is None:
+                continue
+            shares = []
+            for kick in (size, 0.0):
+                rng = np.random.default_rng([seed, 11])
+                env = simulate.evaluation_env(
+                    bank,
+                    episodes,
+                    seed,
+                    randomisation=0.0,
+                    noise=0.0,
+                    threads=int(threads),
+                    settings=who.settings,
+                    foresee=who.foresee,
+                )
+                when = rng.integers(*(np.array(MOMENTS_S) * 30).astype(int), episodes)
+                angle = rng.uniform(0.0, 2.0 * np.pi, episodes)
+                push = kick * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+                env.reset()
+                alive = np.ones(episodes, dtype=bool)
+                for step in range(env.bank.frames - 1):
+                    now = np.flatnonzero(when == step)
+                    env.world.push(now, push[now])
+                    command = who.act(env)
+                    alive &= ~env.step(command.action, command.target)[2]
+                shares.append(float(alive.mean()))
+            rows.append(
+                {
+                    "state": state,
+                    "controller": name,
+                    "seed": seed,
+                    "episodes": episodes,
+                    "commit": commit(),
+                    "kick_m_s": size,
+                    "survived": shares[0],
+                    "survived_unkicked": shares[1],
+                }
+            )
+    return {"rows": rows}
