@@ -20,7 +20,7 @@ from studio.imitation.observation import (
     level_quat,
     sensor_frame,
 )
-from studio.imitation.odometry import CONTACT_GAP
+from studio.imitation.odometry import CONTACT_GAP, turned
 from studio.imitation.reward import RewardConfig
 from studio.robot import a1, kinematics
 from studio.sim import randomize
@@ -42,6 +42,8 @@ class EnvConfig:
     anchor_tau, anchor_yaw_tau: s, leak of the re-anchored root's place and heading. leg_contact:
     calves and thighs touch the floor, None for where the bank needs it. push: m/s, largest kick, at
     full randomisation, and push_every its mean interval in s. noise_scale: of reference noise.
+    init_heading (rad), init_place (m): how far off its way a robot may begin, so that a policy that
+    holds them learns to steer: its own errors are small and seldom.
     evaluation: motions in order from their first frame, no kicks, and nobody begins anew: whatever
     a controller does, it meets the same references, dynamics and noise.
     """
@@ -59,6 +61,8 @@ class EnvConfig:
     push: float = 0.4
     push_every: float = 4.0
     init_joint_noise: float = 0.03
+    init_heading: float = 0.0
+    init_place: float = 0.0
     evaluation: bool = False
 
 
@@ -250,6 +254,21 @@ class ImitationEnv:
             self._noisy[ids] = bank.seen[m, self.frame[ids]]
         contact = self._foot_sensors()[ids]
         self.history.reset(ids, self._sensors()[ids], self._noisy[ids], contact)
+        if not self.config.evaluation:
+            self._lead_astray(ids)
+
+    def _lead_astray(self, ids: NDArray[np.intp]) -> None:
+        """The anchor to one side of the robot, and the robot's own errors with it."""
+        turn, place = self.config.init_heading, self.config.init_place
+        if turn:
+            self.history.heading_error[ids] = self.rng.uniform(-turn, turn, len(ids))
+            self.anchor_yaw[ids] += self.history.heading_error[ids]
+        if place:
+            angle = self.rng.uniform(0.0, 2.0 * np.pi, len(ids))
+            size = self.rng.uniform(0.0, place, len(ids))
+            local = size[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+            self.history.place_error[ids] = local
+            self.anchor_pos[ids] += turned(local, self.yaw[ids])
 
     def _reset_lowpass(self, ids: NDArray[np.intp], value: Array) -> None:
         where = np.zeros(self.num_envs, dtype=bool)

@@ -2,6 +2,7 @@
 
 import itertools
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,6 +13,8 @@ from studio.imitation.curriculum import Curriculum, Stage, stages
 from studio.imitation.env import EnvConfig, ImitationEnv
 from studio.imitation.episodes import evaluation_env, pd_playback, run_episodes, stand_still
 from studio.imitation.noise import NoiseConfig
+from studio.imitation.observation import ObservationConfig
+from studio.imitation.odometry import turned
 from studio.imitation.policy import Policy, manifest_of
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
@@ -265,3 +268,21 @@ def test_gymnasium_wrapper_passes_gymnasiums_own_checker() -> None:
         # Unbounded observations and actions beyond ±1 are meant: the checker only remarks on them.
         warnings.simplefilter("ignore", UserWarning)
         check_env(env, skip_render_check=True)
+
+
+def test_a_robot_led_astray_knows_how_far_off_its_way_it_begins(walk: MotionBank) -> None:
+    observation = ObservationConfig(heading_gain=1.0, place_gain=1.0)
+    config = EnvConfig(
+        num_envs=8, threads=1, observation=observation, init_heading=0.3, init_place=0.2
+    )
+    env = ImitationEnv(config, walk, seed=0)
+    env.reset()
+    assert np.abs(env.history.heading_error).max() > 0.05
+    np.testing.assert_allclose(
+        spatial.wrap_angle(env.anchor_yaw - env.yaw), env.history.heading_error, atol=0.02
+    )
+    gap = turned(env.anchor_pos - env.world.base_pos[:, :2], -env.yaw)
+    np.testing.assert_allclose(gap, env.history.place_error, atol=1e-9)
+    judged = ImitationEnv(replace(config, evaluation=True), walk, seed=0)
+    judged.reset()
+    assert not judged.history.heading_error.any()
