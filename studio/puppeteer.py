@@ -8,82 +8,34 @@
 Live is this plus a clock (`live.loop`); a headless drive and every table are this without one.
 """
 
-import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from time import perf_counter
 
 import numpy as np
 
 from studio import spatial
-from studio.errors import StudioError, unknown_name
+from studio.errors import unknown_name
 from studio.human.calibration import Calibration
 from studio.human.pose import HumanPose
-from studio.imitation.controller import Controller, Directive
-from studio.imitation.controllers import open_controller
-from studio.metrics import FALLEN_TILT_DEG
-from studio.mocap.gate import FrameGate, FrameRejected
+from studio.imitation.controller import Control, Controller, Directive
+from studio.imitation.controllers import Situation, open_controller
+from studio.mocap.watched import REUSE, Watched
+from studio.orders import FOLLOW, LIMITS, Orders, PuppeteerConfig, checked_gain
 from studio.recording.tick import Tick
 from studio.reference.intent import STATES, StateName
 from studio.retarget.retargeter import Retargeted, Retargeter
 from studio.retarget.settings import RetargetSettings
 from studio.retarget.store import Experts
 from studio.robot.a1 import CONTROL_DT
-from studio.robot.pose import ReferencePose, RobotPose, RobotState
+from studio.robot.fall import fell
+from studio.robot.pose import ReferencePose, RobotState
 from studio.sim.actuation import LowPass, limit_target
 from studio.sim.world import World
 
-log = logging.getLogger(__name__)
-REUSE = 0.3
-"""s for which the last human pose stands in for a missing one."""
-STALE = 0.1
-"""s of age from which a reused pose is counted as stale."""
 FIRST_VOTE = 1.0
 """s to wait for the first vote that is not "unknown" before the robot starts standing."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PuppeteerConfig:
-    """How to drive.
-
-    style: which human motion means walking. controller: a name of imitation.controllers, None for
-    the default. state: "auto" or the state to stay in. seed: of the world. mirror: as in a mirror.
-    tilt_gain: times the trunk's tilt. dead_zone: rad of tilt ignored. speed_cap: m/s.
-    """
-
-    style: str = "march"
-    controller: str | None = None
-    state: str = "auto"
-    seed: int = 0
-    mirror: bool = False
-    tilt_gain: float = 1.0
-    dead_zone: float = 0.0
-    speed_cap: float = 1.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Orders:
-    """What whoever keeps watch asks for in this period: see `live.safety`.
-
-    directive: to the controller. damping: motors without stiffness. ramp: s over which following
-    eases in, None for the controller's own. mode, why: shown in the tick.
-    """
-
-    directive: Directive = Directive.FOLLOW
-    damping: bool = False
-    ramp: float | None = None
-    mode: str = "live"
-    why: str = ""
-
-
-FOLLOW = Orders()
-LIMITS: dict[str, tuple[float, float]] = {
-    "tilt_gain": (0.0, 2.0),
-    "dead_zone": (0.0, 0.5),
-    "speed_cap": (0.0, 1.5),
-}
-"""Ranges of the operator's sliders."""
 
 
 class Puppeteer:
@@ -104,7 +56,6 @@ class Puppeteer:
         self.tracker = open_controller(config.controller)
         self.low_pass = LowPass()
         self.world = World(seed=config.seed)
-        self.gate = FrameGate(live=False)
         self.lock_state(config.state)
         for name in LIMITS:
             self.set_gain(name, getattr(config, name))
@@ -121,10 +72,10 @@ class Puppeteer:
         shown: a motion that the robot does in place of the person's, who is to act it out.
         """
         self._timings: dict[str, float] = {}
-        fresh = self._see(human)
+        fresh = self.person.see(human)
         with self._section("retarget"):
-            seen = self._human if self._age <= REUSE else None
-            mapped = self.retargeter.step(seen, CONTROL_DT, watch=not self._go_on_from_here())
+            watch = not self._go_on_from_here()
+            mapped = self.retargeter.step(self.person.now, CONTROL_DT, watch=watch)
         if shown is None:
             self._place_at_first_vote(mapped, orders)
         self._placed = self._placed or shown is not None
@@ -135,20 +86,20 @@ class Puppeteer:
                 wanted, reference = shown
             control = self.controller.step(wanted, reference, orders.directive, orders.ramp)
         with self._section("policy"):
-            in_transition = control.state == "transition"
-            action = self.tracker.act(control.reference, self.robot, control.expert, in_transition)
+            action = self.tracker.act(self._situation(control))
         with self._section("filter"):
             target = limit_target(self.low_pass.step(action), self._target)
         with self._section("physics"):
             self._damp(orders.damping)
             self.robot, self._target = self.world.step(target), target
         clipped = mapped.clipped and self.controller.following
-        self._count(fresh, clipped)
+        self._index += 1
+        self._clipped += clipped
         self.fallen = self.fallen or (not orders.damping and fell(control.reference, self.robot))
         return Tick(
             index=self._index - 1,
-            t=self._t,
-            human=self._human,
+            t=self.person.t,
+            human=self.person.last,
             human_fresh=fresh,
             expert=mapped.expert,
             votes=mapped.votes,
@@ -162,9 +113,10 @@ class Puppeteer:
             robot=self.robot,
             clipped=clipped,
             fallen=self.fallen,
-            why=orders.why or (why_still(mapped, self.lock, self._age) if shown is None else ""),
+            why=orders.why
+            or (why_still(mapped, self.lock, self.person.age) if shown is None else ""),
             timings_ms=self._timed(mapped),
-            counters=dict(self.counters),
+            counters=self.counters,
         )
 
     # Memory ------------------------------------------------------------------------------------
@@ -172,11 +124,8 @@ class Puppeteer:
     def reset(self) -> None:
         """Forget the person; the robot stands at the origin and starts in the first voted state."""
         self.retargeter.reset()
-        self.gate.reset()
-        self._human: HumanPose | None = None
-        self._age = np.inf
-        self._index, self._t, self._waited = 0, 0.0, 0.0
-        self.counters = {"frames": 0, "rejected": 0, "stale": 0, "clipped": 0, "late": 0}
+        self.person = Watched()
+        self._index, self._waited, self._clipped = 0, 0.0, 0
         self._placed = False
         self.place("stand")
 
@@ -191,8 +140,7 @@ class Puppeteer:
             )
             self.retargeter.set_expert(self.lock)
         self.retargeter.reset()
-        self.gate.reset()
-        self._human, self._age, self._t = None, np.inf, 0.0
+        self.person.forget()
         self.rejoin()
 
     def rejoin(self) -> None:
@@ -222,7 +170,7 @@ class Puppeteer:
         self.robot: RobotState = self.world.reset(reference)
         self.low_pass.reset(reference.joint_pos)
         self._target = reference.joint_pos
-        self.tracker.reset(reference, self.robot, self.controller.state)
+        self.tracker.reset(self._situation())
         self.fallen = False
 
     # What a user changes while driving ----------------------------------------------------------
@@ -236,12 +184,13 @@ class Puppeteer:
 
     def set_gain(self, name: str, value: float) -> None:
         """A slider: a name of LIMITS and a value within its range. StudioError otherwise."""
-        if name not in LIMITS:
-            raise unknown_name("gain", name, LIMITS)
-        low, high = LIMITS[name]
-        if not low <= value <= high:
-            raise StudioError(f"{name} must be between {low} and {high}, not {value}")
-        self.retargeter.settings = replace(self.retargeter.settings, **{name: float(value)})
+        gain = {name: checked_gain(name, value)}
+        self.retargeter.settings = replace(self.retargeter.settings, **gain)
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """Totals since the last reset."""
+        return {**self.person.counters, "clipped": self._clipped, "late": 0}
 
     @property
     def gains(self) -> dict[str, float]:
@@ -263,26 +212,10 @@ class Puppeteer:
     def set_controller(self, name: str) -> None:
         """Another controller from the next period on. StudioError if there is none of the name."""
         tracker = open_controller(name)
-        tracker.reset(self.controller.reference, self.robot, self.controller.state)
+        tracker.reset(self._situation())
         self.tracker = tracker
 
     # One step's parts ---------------------------------------------------------------------------
-
-    def _see(self, human: HumanPose | None) -> bool:
-        """Keep a new pose, if it is one a person could have; is there a new one?"""
-        self._t += CONTROL_DT
-        self._age += CONTROL_DT
-        if human is None:
-            return False
-        self.counters["frames"] += 1
-        try:
-            self.gate.check_pose(human)
-        except (FrameRejected, AttributeError, TypeError, ValueError) as error:
-            self.counters["rejected"] += 1
-            log.debug("human pose refused: %s", error)
-            return False
-        self._human, self._age, self._t = human, 0.0, human.t
-        return True
 
     def _go_on_from_here(self) -> bool:
         """After a transition, a hold or a rest the person's motion goes on from there.
@@ -303,20 +236,24 @@ class Puppeteer:
             return
         if orders.directive is not Directive.FOLLOW or self._waited > FIRST_VOTE:
             self._placed = True
-        elif self._human is not None:
+        elif self.person.last is not None:
             self._waited += CONTROL_DT
             if mapped.expert in STATES or self.lock is not None:
                 self.place(self.lock or mapped.expert)  # type: ignore[arg-type]
                 self._placed = True
 
+    def _situation(self, control: Control | None = None) -> Situation:
+        """What the tracker acts on; without `control`, as it is before the first step."""
+        return Situation(
+            reference=control.reference if control else self.controller.reference,
+            robot=self.robot,
+            state=control.expert if control else self.controller.state,
+            in_transition=control is not None and control.state == "transition",
+        )
+
     def _damp(self, on: bool) -> None:
         if on != self.world.damping:
             self.world.set_damping(on)
-
-    def _count(self, fresh: bool, clipped: bool) -> None:
-        self._index += 1
-        self.counters["clipped"] += clipped
-        self.counters["stale"] += bool(not fresh and STALE < self._age < np.inf)
 
     @contextmanager
     def _section(self, name: str) -> Iterator[None]:
@@ -327,20 +264,6 @@ class Puppeteer:
     def _timed(self, mapped: Retargeted) -> dict[str, float]:
         inference = sum(ms for name, ms in self._timings.items() if name != "physics")
         return {**mapped.timings_ms, **self._timings, "inference": inference}
-
-
-def fell(reference: RobotPose, robot: RobotState) -> bool:
-    """The trunk touches the ground, or its tilt is over 60 degrees from the reference's."""
-    if robot.trunk_contact:
-        return True
-    up = float(_up(reference.base_quat) @ _up(robot.base_quat))
-    return up < np.cos(np.radians(FALLEN_TILT_DEG))
-
-
-def _up(quat: np.ndarray) -> np.ndarray:
-    """(3,) the world's up in the body's frame: the last row of the rotation matrix."""
-    w, x, y, z = quat.tolist()
-    return np.array([2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)])
 
 
 def why_still(mapped: Retargeted, lock: str | None, age: float) -> str:

@@ -9,11 +9,13 @@ from studio.errors import StudioError
 from studio.human.calibration import calibrate
 from studio.imitation.controller import Directive
 from studio.mocap.operator import OperatorSource
-from studio.puppeteer import LIMITS, Orders, Puppeteer, PuppeteerConfig, fell
+from studio.orders import LIMITS, Orders, PuppeteerConfig
+from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.retarget.retargeter import Retargeter
 from studio.robot import a1
+from studio.robot.fall import fell
 
 
 def make(task="quiet", seed=0, **config):

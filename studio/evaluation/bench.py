@@ -21,7 +21,8 @@ from studio.errors import StudioError
 from studio.evaluation.drive import drive
 from studio.human.calibration import calibrate
 from studio.mocap import open_source
-from studio.puppeteer import Puppeteer, PuppeteerConfig
+from studio.orders import PuppeteerConfig
+from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
 
 log = logging.getLogger(__name__)

@@ -17,7 +17,8 @@ from studio.errors import StudioError
 from studio.evaluation.drive import drive
 from studio.human.calibration import calibrate
 from studio.mocap import open_source
-from studio.puppeteer import Puppeteer, PuppeteerConfig
+from studio.orders import PuppeteerConfig
+from studio.puppeteer import Puppeteer
 from studio.recording.library import SessionLibrary
 from studio.recording.take import Recorder
 from studio.recording.tick import Tick

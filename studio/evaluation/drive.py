@@ -14,7 +14,8 @@ from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport, trace_line
 from studio.human.calibration import calibrate
 from studio.mocap import Source, open_source, poses
-from studio.puppeteer import FOLLOW, Orders, Puppeteer, PuppeteerConfig
+from studio.orders import FOLLOW, Orders, PuppeteerConfig
+from studio.puppeteer import Puppeteer
 from studio.recording.recorder import Recorder
 from studio.recording.tick import Tick
 from studio.robot.a1 import CONTROL_DT

@@ -18,7 +18,8 @@ from studio.evaluation.drive_report import DriveReport
 from studio.evaluation.tracking import commit
 from studio.human.calibration import calibrate
 from studio.mocap import SourceEnded, open_source
-from studio.puppeteer import Puppeteer, PuppeteerConfig
+from studio.orders import PuppeteerConfig
+from studio.puppeteer import Puppeteer
 from studio.recording.tick import Tick
 from studio.reference.stances import NEUTRAL, tilt_of
 from studio.retarget.states import EXPERTS

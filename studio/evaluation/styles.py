@@ -16,7 +16,8 @@ from studio import spatial
 from studio.evaluation.tracking import commit
 from studio.human.calibration import calibrate
 from studio.mocap.operator import InteractiveOperator
-from studio.puppeteer import Puppeteer, PuppeteerConfig
+from studio.orders import PuppeteerConfig
+from studio.puppeteer import Puppeteer
 from studio.recording.tick import Tick
 from studio.reference import gait
 from studio.reference.intent import Intent

@@ -7,7 +7,7 @@ from typing import Any
 
 from studio.errors import StudioError, unknown_name
 from studio.live.commands import SetMapper, SetStyle
-from studio.puppeteer import PuppeteerConfig
+from studio.orders import PuppeteerConfig
 from studio.recording.names import check_name
 from studio.retarget.store import Experts, load_experts, read_experts
 

@@ -15,7 +15,7 @@ from studio.live.mappers import open_mapper
 from studio.live.replay import Replay
 from studio.mocap import Source, open_source
 from studio.mocap.follower import FollowingOperator
-from studio.puppeteer import PuppeteerConfig
+from studio.orders import PuppeteerConfig
 from studio.recording.names import take_folder
 from studio.recording.take import read_take
 

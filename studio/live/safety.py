@@ -12,7 +12,7 @@ It decides from times and flags that it is told, never from a clock of its own.
 from dataclasses import dataclass
 
 from studio.imitation.controller import Directive
-from studio.puppeteer import Orders
+from studio.orders import Orders
 
 HOLD_AFTER = 0.3
 STAND_AFTER = 0.5

@@ -17,11 +17,11 @@ from studio.imitation.ways import (
     trapezoid,
     trapezoid_time,
 )
-from studio.puppeteer import fell
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1
+from studio.robot.fall import fell
 from studio.robot.pose import RobotPose
 from studio.sim.actuation import LowPass, limit_target
 from studio.sim.world import World

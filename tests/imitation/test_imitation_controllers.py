@@ -6,7 +6,12 @@ import pytest
 from studio.errors import StudioError
 from studio.imitation import controllers
 from studio.imitation.action import ActionConfig
-from studio.imitation.controllers import CONTROLLERS, default_controller, open_controller
+from studio.imitation.controllers import (
+    CONTROLLERS,
+    Situation,
+    default_controller,
+    open_controller,
+)
 from studio.imitation.controllers import policy as policy_room
 from studio.imitation.controllers.policy import PolicyTracker
 from studio.imitation.footing import with_velocity
@@ -50,19 +55,23 @@ def standing() -> tuple[ReferencePose, RobotState]:
     return with_velocity(NEUTRAL["stand"], NEUTRAL["stand"]), World().reset(NEUTRAL["stand"])
 
 
+def at(standing: tuple[ReferencePose, RobotState], state: StateName, on_the_way=False) -> Situation:
+    reference, robot = standing
+    return Situation(reference=reference, robot=robot, state=state, in_transition=on_the_way)
+
+
 def test_every_controller_gives_twelve_finite_angles_in_every_state(
     standing: tuple[ReferencePose, RobotState],
 ):
-    reference, robot = standing
     for name in CONTROLLERS:
         if name == "policy" and not policy_room.trained():
             continue  # its own tests follow
         tracker = open_controller(name)
         assert tracker.name == name
         for state in STATES:
-            tracker.reset(reference, robot, state)
+            tracker.reset(at(standing, state))
             for in_transition in (False, True):
-                action = tracker.act(reference, robot, state, in_transition)
+                action = tracker.act(at(standing, state, in_transition))
                 assert action.shape == (12,)
                 assert np.isfinite(action).all()
 
@@ -84,9 +93,9 @@ def test_an_unknown_controller_is_answered_with_the_known_ones():
 
 
 def test_a_policys_residual_is_added_to_the_reference(standing: tuple[ReferencePose, RobotState]):
-    reference, robot = standing
+    reference, _ = standing
     tracker = PolicyTracker(policies_of_every_state())
-    action = tracker.act(reference, robot, "stand", False)
+    action = tracker.act(at(standing, "stand", False))
     # 0.1 * scale 0.25 = 0.025 rad on every joint
     np.testing.assert_allclose(action, reference.joint_pos + 0.025, atol=1e-6)
 
@@ -94,22 +103,21 @@ def test_a_policys_residual_is_added_to_the_reference(standing: tuple[ReferenceP
 def test_the_destinations_policy_acts_in_a_transition_only_if_it_was_trained_on_them(
     standing: tuple[ReferencePose, RobotState],
 ):
-    reference, robot = standing
+    reference, _ = standing
     policies = policies_of_every_state(sit=a_policy("sit", transitions=True))
     tracker = PolicyTracker(policies)
-    np.testing.assert_array_equal(tracker.act(reference, robot, "walk", True), reference.joint_pos)
-    into_sit = tracker.act(reference, robot, "sit", True)
+    np.testing.assert_array_equal(tracker.act(at(standing, "walk", True)), reference.joint_pos)
+    into_sit = tracker.act(at(standing, "sit", True))
     np.testing.assert_allclose(into_sit, reference.joint_pos + 0.025, atol=1e-6)
 
 
 def test_a_policy_that_takes_over_begins_with_a_history_of_the_present(
     standing: tuple[ReferencePose, RobotState],
 ):
-    reference, robot = standing
     policies = policies_of_every_state()
     tracker = PolicyTracker(policies)
     for _ in range(5):
-        tracker.act(reference, robot, "stand", False)
-    tracker.act(reference, robot, "walk", False)
+        tracker.act(at(standing, "stand", False))
+    tracker.act(at(standing, "walk", False))
     history = policies["walk"].history
     np.testing.assert_allclose(history.z[0], np.tile(history.z[0, -1], (4, 1)))

@@ -38,9 +38,11 @@ def ask(loop, command):
     answers = []
     asker = threading.Thread(target=lambda: answers.append(loop.submit(command, timeout=20.0)))
     asker.start()
-    while asker.is_alive():
+    while True:
+        asker.join(0.01)  # motions are drawn on its thread meanwhile: leave it the machine
+        if not asker.is_alive():
+            break
         run(loop, DT)
-        asker.join(0.001)
     return answers[0]
 
 

@@ -30,10 +30,12 @@ def collected(tmp_path_factory):
     def ask(command):
         asker = threading.Thread(target=lambda: loop.submit(command, timeout=20.0))
         asker.start()
-        while asker.is_alive():
+        while True:
+            asker.join(0.01)  # motions are drawn on its thread meanwhile: leave it the machine
+            if not asker.is_alive():
+                break
             loop.tick()
             loop.wait()
-            asker.join(0.001)
 
     items = (PlanItem(task="tilt", takes=2, seconds=5.0),)
     ask(c.SetPlan(plan=CollectPlan(items=items, preview=False, hands_free=True, seed=3)))

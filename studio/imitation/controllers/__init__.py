@@ -6,7 +6,7 @@ from studio.errors import unknown_name
 from studio.imitation.controllers.pd_playback import PdPlayback
 from studio.imitation.controllers.policy import PolicyTracker, trained
 from studio.imitation.controllers.stand_still import StandStill
-from studio.imitation.controllers.tracker import Tracker
+from studio.imitation.controllers.tracker import Situation, Tracker
 
 CONTROLLERS: dict[str, Callable[[], Tracker]] = {
     "stand_still": StandStill,
@@ -31,4 +31,4 @@ def open_controller(name: str | None = None) -> Tracker:
     return CONTROLLERS[name]()
 
 
-__all__ = ["CONTROLLERS", "Tracker", "default_controller", "open_controller"]
+__all__ = ["CONTROLLERS", "Situation", "Tracker", "default_controller", "open_controller"]

@@ -1,12 +1,9 @@
 """The trained policies: one expert a state, the destination's in a transition it was trained on."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from studio.errors import StudioError
+from studio.imitation.controllers.tracker import Array, Situation, Tracker
 from studio.imitation.policy import MODELS, Policy
 from studio.reference.intent import STATES, StateName
-from studio.robot.pose import ReferencePose, RobotState
 
 
 def trained() -> bool:
@@ -18,7 +15,7 @@ def trained() -> bool:
     )
 
 
-class PolicyTracker:
+class PolicyTracker(Tracker):
     """Remembers the observation history of the policy in charge.
 
     A policy whose sidecar does not say `"transitions": true` has never seen the way into its
@@ -37,23 +34,17 @@ class PolicyTracker:
         self._policies = policies or {state: Policy.load(state) for state in STATES}
         self._state: StateName | None = None
 
-    def reset(self, reference: ReferencePose, robot: RobotState, state: StateName) -> None:
+    def reset(self, now: Situation) -> None:
         """Fill the history of `state`'s policy with the present."""
-        self._state = state
-        self._policies[state].reset(reference, robot)
+        self._state = now.state
+        self._policies[now.state].reset(now.reference, now.robot)
 
-    def act(
-        self,
-        reference: ReferencePose,
-        robot: RobotState,
-        state: StateName,
-        in_transition: bool,
-    ) -> NDArray[np.float64]:
+    def act(self, now: Situation) -> Array:
         """(12,) rad: the PD target of `state`'s policy."""
-        policy = self._policies[state]
-        if in_transition and not policy.manifest.get("transitions", False):
+        policy = self._policies[now.state]
+        if now.in_transition and not policy.manifest.get("transitions", False):
             self._state = None
-            return reference.joint_pos
-        if state != self._state:
-            self.reset(reference, robot, state)
-        return policy.action(reference, robot)
+            return now.reference.joint_pos
+        if now.state != self._state:
+            self.reset(now)
+        return policy.action(now.reference, now.robot)

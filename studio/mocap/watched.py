@@ -1,0 +1,60 @@
+"""The person as last seen: a new pose is checked, and stands in for those that do not come."""
+
+import logging
+
+import numpy as np
+
+from studio.human.pose import HumanPose
+from studio.mocap.gate import FrameGate, FrameRejected
+from studio.robot.a1 import CONTROL_DT
+
+log = logging.getLogger(__name__)
+REUSE = 0.3
+"""s for which the last human pose stands in for a missing one."""
+STALE = 0.1
+"""s of age from which a reused pose is counted as stale."""
+
+
+class Watched:
+    """Remembers the last pose and its age. One thread only.
+
+    last: the newest pose that was believed. age: s since then, inf before the first. t: s on the
+    source's clock. counters: poses that came, were refused, and periods with a stale one.
+    """
+
+    def __init__(self) -> None:
+        self.counters = {"frames": 0, "rejected": 0, "stale": 0}
+        self._gate = FrameGate(live=False)
+        self.forget()
+
+    def forget(self) -> None:
+        """Another person, or another source, from here on; the counters go on."""
+        self._gate.reset()
+        self.last: HumanPose | None = None
+        self.age, self.t = np.inf, 0.0
+
+    @property
+    def now(self) -> HumanPose | None:
+        """The pose to go by; None once it is too old to stand in."""
+        return self.last if self.age <= REUSE else None
+
+    def see(self, human: HumanPose | None) -> bool:
+        """A control period goes by: keep a pose that a person could have. Is there a new one?"""
+        self.t += CONTROL_DT
+        self.age += CONTROL_DT
+        fresh = human is not None and self._believed(human)
+        if fresh:
+            assert human is not None
+            self.last, self.age, self.t = human, 0.0, human.t
+        self.counters["stale"] += bool(not fresh and STALE < self.age < np.inf)
+        return fresh
+
+    def _believed(self, human: HumanPose) -> bool:
+        self.counters["frames"] += 1
+        try:
+            self._gate.check_pose(human)
+        except (FrameRejected, AttributeError, TypeError, ValueError) as error:
+            self.counters["rejected"] += 1
+            log.debug("human pose refused: %s", error)
+            return False
+        return True
