@@ -1,0 +1,112 @@
+"""The tables of the policies' page: which figures of a row are shown, and how."""
+
+from dataclasses import dataclass
+from typing import Any
+
+Row = dict[str, Any]
+Rows = list[Row]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Column:
+    """key: of a row. head: of the column. scale: the value's factor. places: its digits."""
+
+    key: str
+    head: str
+    scale: float = 1.0
+    places: int = 2
+
+    def cell(self, row: Row) -> str:
+        value = row.get(self.key)
+        if value is None:
+            return "–"
+        if isinstance(value, bool):
+            return "yes" if value else "no"
+        if isinstance(value, (int, float)):
+            return f"{self.scale * value:.{self.places}f}"
+        return str(value).replace("_", " ")
+
+
+_STATE, _WHO = Column(key="state", head="state"), Column(key="controller", head="controller")
+_VARIANT = Column(key="variant", head="variant")
+_TRACKING = (
+    Column(key="success_time_ratio", head="success", places=3),
+    Column(key="tracked_time_ratio", head="tracked", places=3),
+    Column(key="joint_rmse_deg", head="joints °", places=1),
+    Column(key="foot_error_m", head="feet cm", scale=100.0, places=1),
+    Column(key="orientation_error_deg", head="tilt °", places=1),
+    Column(key="height_error_m", head="height cm", scale=100.0, places=1),
+    Column(key="velocity_error_m_s", head="velocity m/s", places=3),
+    Column(key="yaw_rate_error_deg_s", head="yaw °/s", places=1),
+    Column(key="lag_ms", head="lag ms", places=0),
+    Column(key="drift_m", head="drift m"),
+    Column(key="foot_skate_m_s", head="skate m/s", places=3),
+    Column(key="jerk_rad_s3", head="jerk rad/s³", places=0),
+    Column(key="torque_saturation", head="saturated %", scale=100.0, places=1),
+)
+TABLES: dict[str, tuple[str, tuple[Column, ...]]] = {
+    "tracking": ("Noisy references of 10 s, full Table I", (_STATE, _WHO, *_TRACKING)),
+    "transitions": (
+        "Into each state from the others, full Table I",
+        (Column(key="from", head="from"), Column(key="to", head="to"), _WHO, *_TRACKING[:5]),
+    ),
+    "tilt": (
+        "Tilts held, nominal dynamics",
+        (
+            _STATE,
+            Column(key="axis", head="axis"),
+            _WHO,
+            Column(key="reference_deg", head="asked °", places=1),
+            Column(key="achieved_deg", head="held °", places=1),
+            Column(key="survived", head="survived"),
+        ),
+    ),
+    "walk": (
+        "Speeds and turns, nominal dynamics",
+        (
+            Column(key="case", head="asked"),
+            _WHO,
+            Column(key="commanded_m_s", head="reference m/s"),
+            Column(key="achieved_m_s", head="robot m/s"),
+            Column(key="commanded_deg_s", head="reference °/s", places=1),
+            Column(key="achieved_deg_s", head="robot °/s", places=1),
+            Column(key="drift_share", head="drift % of the way", scale=100.0, places=0),
+            Column(key="survived", head="survived"),
+        ),
+    ),
+    "reach": (
+        "A paw at 0.8 m, nominal dynamics",
+        (
+            _STATE,
+            Column(key="paw", head="paw"),
+            _WHO,
+            Column(key="paw_m", head="height m"),
+            Column(key="reached", head="reached"),
+        ),
+    ),
+    "kicks": (
+        "Kicks in any direction, nominal dynamics",
+        (
+            _STATE,
+            _WHO,
+            Column(key="kick_m_s", head="kick m/s", places=1),
+            Column(key="survived", head="survived", places=3),
+            Column(key="survived_unkicked", head="without", places=3),
+        ),
+    ),
+    "workspace": (
+        "Volume that the standing robot's right paw reaches",
+        (
+            _WHO,
+            Column(key="volume_m3", head="litres", scale=1e3, places=1),
+            Column(key="volume_tilt_m3", head="with tilts", scale=1e3, places=1),
+            Column(key="ratio", head="ratio"),
+        ),
+    ),
+    "ablation": (
+        "Ablation: consistency at test time, walking policies of 3 million samples",
+        (Column(key="kind", head="kind"), _STATE, _VARIANT, _WHO, *_TRACKING[:7], _TRACKING[11]),
+    ),
+    "curriculum": ("Curriculum", (_VARIANT, *_TRACKING[:7])),
+    "future": ("Without the future", (_VARIANT, *_TRACKING[:9])),
+}
