@@ -1,6 +1,7 @@
 """The loop as the object of GET /api/state: what it does, and why nothing moves if nothing does."""
 
 from collections import deque
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,6 +11,9 @@ from studio.robot.pose import RobotPose
 
 if TYPE_CHECKING:
     from studio.live.session import Session
+
+WINDOW = 300
+"""Control periods over which the loop's punctuality is told: 10 s."""
 
 
 def pose_dict(pose: RobotPose) -> dict[str, list[float]]:
@@ -24,7 +28,8 @@ def state_dict(session: "Session", tick: Tick, period_error_ms: deque[float]) ->
     """The keys of contract.md, and what a page shows besides."""
     puppeteer, safety, replay = session.puppeteer, session.safety, session.replay
     extractor = puppeteer.retargeter.extractor
-    errors = np.array(list(period_error_ms)[-300:] or [0.0])
+    late = list(islice(reversed(period_error_ms), WINDOW)) or [0.0]
+    p50, p95, p99 = np.percentile(late, [50, 95, 99]).tolist()
     return {
         "mode": session.mode,
         "state": tick.state,
@@ -39,10 +44,7 @@ def state_dict(session: "Session", tick: Tick, period_error_ms: deque[float]) ->
         "source": session.source.name,
         "scene": session.scene,
         "latency_ms": {name: round(ms, 3) for name, ms in tick.timings_ms.items()},
-        "period_error_ms": {
-            "p50": round(float(np.median(errors)), 3),
-            "p99": round(float(np.percentile(errors, 99)), 3),
-        },
+        "period_error_ms": {"p50": round(p50, 3), "p95": round(p95, 3), "p99": round(p99, 3)},
         "counters": tick.counters,
         "robot": pose_dict(tick.robot),
         "controller": puppeteer.tracker.name,

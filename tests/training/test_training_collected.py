@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from studio.errors import StudioError
+from studio.live import collect
 from studio.live import commands as c
 from studio.live.clock import FakeClock
 from studio.live.collect import CollectPlan
@@ -24,7 +25,13 @@ from studio.training.take_pairs import read_pairs
 @pytest.fixture(scope="module")
 def collected(tmp_path_factory):
     """Two takes of a tilt by the synthetic operator, collected on a fake clock."""
-    root = tmp_path_factory.mktemp("sessions")
+    with pytest.MonkeyPatch.context() as patch:
+        for pause in ("COUNTDOWN_S", "HANDS_FREE_REVIEW_S", "HANDS_FREE_READY_S"):
+            patch.setattr(collect, pause, 0.5)  # nobody has to get ready
+        return collect_tilts(tmp_path_factory.mktemp("sessions"))
+
+
+def collect_tilts(root):
     loop = LiveLoop(clock=FakeClock(), session=Session(SessionConfig(sessions=root)))
 
     def ask(command):
