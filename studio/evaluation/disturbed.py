@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 class Disturbance:
     """sigma: rad, range of the joints' σ, drawn once a motion; tilt and height (m) take a share of
     it. freeze: a second, how often the reference stops; frozen: control periods it stops for.
-    contact: standard deviation of the contact probability's noise."""
+    contact_noise: standard deviation of the contact probability's noise."""
 
     sigma: tuple[float, float] = NoiseConfig.joint_sigma
     tau: float = NoiseConfig.tau
@@ -32,7 +32,7 @@ class Disturbance:
     height_share: float = 0.1
     freeze: float = 0.5
     frozen: tuple[int, int] = (3, 12)
-    contact: float = 0.2
+    contact_noise: float = 0.2
 
 
 def disturbed(
@@ -82,7 +82,7 @@ def _shaken(
     for k in range(1, frames):
         value[k] = ou_step(value[None, k - 1], scale, noise.tau, a1.CONTROL_DT, rng)[0]
     source = _frozen(frames, rng, noise)
-    label = bank.contact[m] + noise.contact * rng.standard_normal((frames, 4))
+    label = bank.contact[m] + noise.contact_noise * rng.standard_normal((frames, 4))
     tilt = np.concatenate([value[:, 12:14], np.zeros((frames, 1))], axis=1)
     height = np.concatenate([np.zeros((frames, 2)), value[:, 14:]], axis=1)
     return ReferenceMotion(
