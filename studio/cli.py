@@ -66,6 +66,8 @@ class Bench:
     """How long each part is measured."""
     page: bool = True
     """Also start a server, connect four clients and measure the loop's periods."""
+    browser: bool = True
+    """Also measure them beside a Chromium that draws the page (needs one)."""
     training: bool = True
     """Also measure physics, environment and PPO as environments grow."""
 

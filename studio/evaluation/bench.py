@@ -4,16 +4,10 @@ import json
 import logging
 import os
 import platform
-import socket
-import subprocess
-import sys
-import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.error import URLError
-from urllib.request import Request, urlopen
 
 import numpy as np
 
@@ -26,31 +20,37 @@ from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
 
 log = logging.getLogger(__name__)
-CLIENTS = 4
-PAGE_LIMIT = 60.0
-"""s to wait for the server at most."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BenchConfig:
     """compare: an earlier result. seconds: length of each part. page: start a server as well.
 
-    training: measure physics, environment and PPO as environments grow.
+    browser: and a Chromium that draws the page beside it. training: measure physics, environment
+    and PPO as environments grow.
     """
 
     compare: Path | None = None
     seconds: float = 20.0
     page: bool = True
+    browser: bool = True
     training: bool = True
 
 
 def run_bench(config: BenchConfig) -> dict[str, Any]:
-    """{machine, sections, drive, live}; with `compare`, each figure beside the earlier one."""
+    """{machine, sections_ms, drive, live, loop_beside_browser, training}.
+
+    With `compare`, each figure beside the earlier one, too.
+    """
     earlier = _read(config.compare) if config.compare is not None else None
     result: dict[str, Any] = {"machine": machine()}
     result["sections_ms"], result["drive"] = control_period(config.seconds)
     if config.page:
-        result["live"] = live(config.seconds)
+        from studio.evaluation import bench_live
+
+        result["live"] = bench_live.live(config.seconds)
+        if config.browser:
+            result["loop_beside_browser"] = bench_live.loop_beside_browser(config.seconds)
     if config.training:
         from studio.evaluation.bench_training import training_rates
 
@@ -110,109 +110,6 @@ def percentiles(values: np.ndarray) -> dict[str, float]:
         "p99": float(p99),
         "max": float(np.max(values)),
     }
-
-
-def live(seconds: float) -> dict[str, Any]:
-    """A server in its own process, four socket clients: when it was ready, how it keeps time."""
-    port, token = _free_port(), "bench-token-0123456789"
-    began = time.perf_counter()
-    server = subprocess.Popen(
-        [sys.executable, "-m", "studio", "serve", "--port", str(port), "--token", token],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        assert server.stdout is not None
-        url = server.stdout.readline().strip()
-        if not url:
-            raise StudioError(f"the server did not start: {_last_line(server)}")
-        printed = time.perf_counter() - began
-        _get(port, token, "/api/state")
-        ready = time.perf_counter() - began
-        counts = _listen(port, token, seconds)
-        state = json.loads(_get(port, token, "/api/state"))
-        usage = _cpu_share(server.pid, 3.0)
-    finally:
-        server.terminate()
-        try:
-            server.wait(10.0)
-        except subprocess.TimeoutExpired:
-            server.kill()
-    return {
-        "url_printed_s": printed,
-        "page_ready_s": ready,
-        "clients": CLIENTS,
-        "updates_per_second": [count / seconds for count in counts],
-        "period_error_ms": state["period_error_ms"],
-        "late": state["counters"]["late"],
-        "frames": state["counters"]["frames"],
-        "cpu_share": usage,
-    }
-
-
-def _listen(port: int, token: str, seconds: float) -> list[int]:
-    """Ticks that each of four clients received over `seconds`."""
-    from websockets.sync.client import connect
-
-    counts = [0] * CLIENTS
-
-    def client(i: int) -> None:
-        headers = {"Authorization": f"Bearer {token}"}
-        with connect(f"ws://127.0.0.1:{port}/api/ticks", additional_headers=headers) as ws:
-            end = time.perf_counter() + seconds
-            while time.perf_counter() < end:
-                ws.recv(timeout=5.0)
-                counts[i] += 1
-
-    threads = [threading.Thread(target=client, args=(i,)) for i in range(CLIENTS)]
-    for thread in threads:
-        thread.start()
-    for thread in threads:
-        thread.join()
-    return counts
-
-
-def _cpu_share(pid: int, seconds: float) -> float | None:
-    """Cores used by a process over some seconds (Linux; None elsewhere)."""
-
-    def used() -> float:
-        fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
-        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-    try:
-        before = used()
-        time.sleep(seconds)
-        return (used() - before) / seconds
-    except (OSError, ValueError):
-        return None
-
-
-def _get(port: int, token: str, path: str) -> str:
-    request = Request(
-        f"http://127.0.0.1:{port}{path}", headers={"Authorization": f"Bearer {token}"}
-    )
-    deadline = time.perf_counter() + PAGE_LIMIT
-    while True:
-        try:
-            with urlopen(request, timeout=5.0) as answer:
-                return answer.read().decode()
-        except (URLError, ConnectionError, TimeoutError) as error:
-            if time.perf_counter() > deadline:
-                raise StudioError(f"the server did not answer: {error}") from error
-            time.sleep(0.05)
-
-
-def _free_port() -> int:
-    with socket.socket() as s:
-        s.bind(("127.0.0.1", 0))
-        return int(s.getsockname()[1])
-
-
-def _last_line(server: subprocess.Popen[str]) -> str:
-    server.wait(5.0)
-    lines = (server.stderr.read() if server.stderr else "").strip().splitlines()
-    return lines[-1] if lines else "it said nothing"
 
 
 def _read(path: Path) -> dict[str, Any]:

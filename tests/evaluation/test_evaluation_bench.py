@@ -5,6 +5,7 @@ import json
 import pytest
 
 from studio.errors import StudioError
+from studio.evaluation import bench_live
 from studio.evaluation.bench import BenchConfig, compare, percentiles, run_bench
 from studio.evaluation.bench_training import physics_rate
 
@@ -45,3 +46,19 @@ def test_an_unreadable_comparison_is_said_before_anything_is_measured(tmp_path):
 
 def test_physics_is_counted_over_all_environments():
     assert physics_rate(16, 0.2) > 16.0
+
+
+def test_without_a_browser_the_loop_beside_one_is_skipped_and_says_so(monkeypatch):
+    monkeypatch.setattr(bench_live.shutil, "which", lambda _: None)
+    assert "install chromium" in bench_live.loop_beside_browser(1.0)["skipped"]
+
+
+@pytest.mark.browser
+def test_the_loop_keeps_ticking_beside_a_browser_that_draws_the_page():
+    figures = bench_live.loop_beside_browser(3.0)
+    if "skipped" in figures:
+        pytest.skip(figures["skipped"])
+    assert figures["frames_drawn_per_second"] > 0.0
+    assert figures["frames"] > 30
+    assert 0.0 <= figures["period_error_ms"]["p50"] <= figures["period_error_ms"]["p95"]
+    assert figures["period_error_ms"]["p95"] <= figures["period_error_ms"]["p99"]

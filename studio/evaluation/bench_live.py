@@ -1,0 +1,234 @@
+"""How the live loop keeps time: with four socket clients, and beside a Chromium that draws."""
+
+import contextlib
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.error import URLError
+from urllib.request import Request, urlopen
+
+from studio.errors import StudioError
+
+CLIENTS = 4
+PAGE_LIMIT = 60.0
+"""s to wait for the server or the browser at most."""
+WARM_UP = 5.0
+"""s that the browser draws before anything is counted: it compiles and fetches meshes first."""
+TOKEN = "bench-token-0123456789"
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+FLAGS = (
+    "--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist", "--disable-quic", "--no-first-run", "--disable-component-update",
+    "--disable-background-networking", "--disable-sync", "--remote-debugging-port=0",
+    "--window-size=1280,800",
+)  # fmt: skip
+_COUNT_FRAMES = """new Promise(done => {
+  const view = document.querySelector('#view').contentWindow, began = performance.now();
+  let count = 0;
+  const step = () => {
+    const lasted = performance.now() - began;
+    lasted < MS ? view.requestAnimationFrame(step) : done(1000 * count / lasted);
+    count += 1;
+  };
+  view.requestAnimationFrame(step);
+})"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Served:
+    """A server in its own process. printed, ready: s until its URL was printed and it answered."""
+
+    pid: int
+    port: int
+    url: str
+    printed: float
+    ready: float
+
+    def state(self) -> dict[str, Any]:
+        """GET /api/state."""
+        return json.loads(_get(self.port, "/api/state"))
+
+
+@contextlib.contextmanager
+def served() -> Iterator[Served]:
+    """`a1-studio serve`, ended afterwards."""
+    port = _free_port()
+    began = time.perf_counter()
+    server = subprocess.Popen(
+        [sys.executable, "-m", "studio", "serve", "--port", str(port), "--token", TOKEN],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        assert server.stdout is not None
+        url = server.stdout.readline().strip()
+        if not url:
+            raise StudioError(f"the server did not start: {_last_line(server)}")
+        printed = time.perf_counter() - began
+        _get(port, "/api/state")
+        ready = time.perf_counter() - began
+        yield Served(pid=server.pid, port=port, url=url, printed=printed, ready=ready)
+    finally:
+        _end(server)
+
+
+def live(seconds: float) -> dict[str, Any]:
+    """A server and four socket clients: when it was ready, how it keeps time."""
+    with served() as server:
+        counts = _listen(server.port, seconds)
+        state = server.state()
+        usage = _cpu_share(server.pid, 3.0)
+    return {
+        "url_printed_s": server.printed,
+        "page_ready_s": server.ready,
+        "clients": CLIENTS,
+        "updates_per_second": [count / seconds for count in counts],
+        "period_error_ms": state["period_error_ms"],
+        "late": state["counters"]["late"],
+        "frames": state["counters"]["frames"],
+        "cpu_share": usage,
+    }
+
+
+def loop_beside_browser(seconds: float) -> dict[str, Any]:
+    """The loop's period error while a Chromium draws the page on the same cores.
+
+    {"skipped": why} where there is none. The window of the figures is the last 10 s.
+    """
+    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
+    if browser is None:
+        return {"skipped": f"no browser found ({', '.join(BROWSERS)}): install chromium"}
+    with served() as server, tempfile.TemporaryDirectory(prefix="a1-browser-") as profile:
+        page = subprocess.Popen(
+            [browser, *FLAGS, f"--user-data-dir={profile}", server.url],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        try:
+            _wait(lambda: server.state()["control"]["pages"], "the page did not open its socket")
+            time.sleep(WARM_UP)
+            before = server.state()["counters"]
+            drawn = _frame_rate(Path(profile), seconds)
+            state = server.state()
+        finally:
+            _end(page)
+    after = state["counters"]
+    return {
+        "browser": Path(browser).name,
+        "frames_drawn_per_second": drawn,
+        "period_error_ms": state["period_error_ms"],
+        "late": after["late"] - before["late"],
+        "frames": after["frames"] - before["frames"],
+    }
+
+
+def _frame_rate(profile: Path, seconds: float) -> float:
+    """Frames a second that the 3-D view draws over `seconds`, asked of the browser by its DevTools socket."""
+    from websockets.sync.client import connect
+
+    port = int((profile / "DevToolsActivePort").read_text().split()[0])
+    with urlopen(f"http://127.0.0.1:{port}/json", timeout=5.0) as answer:
+        pages = [page for page in json.load(answer) if page["type"] == "page"]
+    asked = {
+        "expression": _COUNT_FRAMES.replace("MS", str(round(1e3 * seconds))),
+        "awaitPromise": True,
+        "returnByValue": True,
+    }
+    with connect(pages[0]["webSocketDebuggerUrl"], proxy=None, max_size=None) as devtools:
+        devtools.send(json.dumps({"id": 1, "method": "Runtime.evaluate", "params": asked}))
+        while True:
+            said = json.loads(devtools.recv(timeout=seconds + PAGE_LIMIT))
+            if said.get("id") == 1:
+                return float(said["result"]["result"]["value"])
+
+
+def _listen(port: int, seconds: float) -> list[int]:
+    """Ticks that each of four clients received over `seconds`."""
+    from websockets.sync.client import connect
+
+    counts = [0] * CLIENTS
+
+    def client(i: int) -> None:
+        headers = {"Authorization": f"Bearer {TOKEN}"}
+        with connect(f"ws://127.0.0.1:{port}/api/ticks", additional_headers=headers) as ws:
+            end = time.perf_counter() + seconds
+            while time.perf_counter() < end:
+                ws.recv(timeout=5.0)
+                counts[i] += 1
+
+    threads = [threading.Thread(target=client, args=(i,)) for i in range(CLIENTS)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    return counts
+
+
+def _cpu_share(pid: int, seconds: float) -> float | None:
+    """Cores used by a process over some seconds (Linux; None elsewhere)."""
+
+    def used() -> float:
+        fields = Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+    try:
+        before = used()
+        time.sleep(seconds)
+        return (used() - before) / seconds
+    except (OSError, ValueError):
+        return None
+
+
+def _get(port: int, path: str) -> str:
+    request = Request(
+        f"http://127.0.0.1:{port}{path}", headers={"Authorization": f"Bearer {TOKEN}"}
+    )
+    deadline = time.perf_counter() + PAGE_LIMIT
+    while True:
+        try:
+            with urlopen(request, timeout=5.0) as answer:
+                return answer.read().decode()
+        except (URLError, ConnectionError, TimeoutError) as error:
+            if time.perf_counter() > deadline:
+                raise StudioError(f"the server did not answer: {error}") from error
+            time.sleep(0.05)
+
+
+def _wait(true: Any, otherwise: str) -> None:
+    deadline = time.perf_counter() + PAGE_LIMIT
+    while not true():
+        if time.perf_counter() > deadline:
+            raise StudioError(f"{otherwise} within {PAGE_LIMIT:.0f} s")
+        time.sleep(0.2)
+
+
+def _free_port() -> int:
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return int(s.getsockname()[1])
+
+
+def _end(process: "subprocess.Popen[Any]") -> None:
+    process.terminate()
+    try:
+        process.wait(10.0)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait(5.0)
+
+
+def _last_line(server: "subprocess.Popen[str]") -> str:
+    server.wait(5.0)
+    lines = (server.stderr.read() if server.stderr else "").strip().splitlines()
+    return lines[-1] if lines else "it said nothing"
