@@ -134,7 +134,7 @@ def loop_beside_browser(seconds: float) -> dict[str, Any]:
 
 
 def _frame_rate(profile: Path, seconds: float) -> float:
-    """Frames a second that the 3-D view draws over `seconds`, asked of the browser by its DevTools socket."""
+    """Frames a second that the 3-D view draws over `seconds`: asked of it by a DevTools socket."""
     from websockets.sync.client import connect
 
     port = int((profile / "DevToolsActivePort").read_text().split()[0])
@@ -226,6 +226,9 @@ def _end(process: "subprocess.Popen[Any]") -> None:
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait(5.0)
+    for pipe in (process.stdout, process.stderr):
+        if pipe is not None:
+            pipe.close()
 
 
 def _last_line(server: "subprocess.Popen[str]") -> str:
