@@ -6,9 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.errors import StudioError
+from studio.evaluation.contenders import contender
 from studio.imitation import episodes
 from studio.imitation.bank import assemble
-from studio.imitation.policy import MODELS, Policy
+from studio.imitation.policy import MODELS
 from studio.reference.intent import IntentTrack, StateName
 from studio.reference.motion import ReferenceMotion
 from studio.reference.realize import realize
@@ -41,15 +43,23 @@ def record(
     motions = [realize(track) for track in tracks]
     tasks = tuple(dict.fromkeys(m.task for m in motions))
     bank = assemble(state, tasks, motions, [1.0] * len(motions))
-    act = episodes.pd_playback
-    if controller == "policy":
-        act = episodes.policy_of(Policy.load(state))
-    env = episodes.evaluation_env(bank, len(motions), seed, randomisation=0.0, noise=0.0)
+    who = contender(controller, state, MODELS)
+    if who is None:
+        raise StudioError(f"no policy is trained for {state}: `a1-studio train policy`")
+    env = episodes.evaluation_env(
+        bank,
+        len(motions),
+        seed,
+        randomisation=0.0,
+        noise=0.0,
+        settings=who.settings,
+        foresee=who.foresee,
+    )
     env.reset()
     frames = []
     alive = np.ones(len(motions), dtype=bool)
     for _ in range(bank.frames - 1):
-        command = act(env)
+        command = who.act(env)
         _, _, ended, _, _ = env.step(command.action, command.target)
         alive &= ~ended
         w = env.world
