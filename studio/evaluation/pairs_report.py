@@ -31,10 +31,12 @@ COLUMNS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """seeds: of data, people held out and networks alike. episodes: held out, a state and seed."""
+    """seeds: of data, people held out and networks alike. episodes: held out, a state and seed.
+    steps: gradient steps a state."""
 
     seeds: tuple[int, ...] = (0, 1, 2)
     episodes: int = 12
+    steps: int = 1200
     out: Path = Path("models/mapper/README.md")
 
 
@@ -42,12 +44,13 @@ def report(config: Report) -> None:
     """Make the rows and put their table into the file."""
     rows: list[dict[str, Any]] = []
     for seed in config.seeds:
-        rows += run_pairs(episodes=config.episodes, seed=seed)["rows"]
+        rows += run_pairs(episodes=config.episodes, seed=seed, steps=config.steps)["rows"]
     text = config.out.read_text()
     if BEGIN not in text or END not in text:
         raise StudioError(f"{config.out} has no place for the table: {BEGIN} … {END}")
     marked = re.compile(f"{re.escape(BEGIN)}.*{re.escape(END)}", re.DOTALL)
-    config.out.write_text(marked.sub(f"{BEGIN}\n{table(rows)}\n{END}", text))
+    made = f"{BEGIN}\n{config.steps} gradient steps a state. {table(rows)}\n{END}"
+    config.out.write_text(marked.sub(made, text))
 
 
 def table(rows: Sequence[dict[str, Any]]) -> str:
