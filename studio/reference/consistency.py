@@ -20,6 +20,7 @@ Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Vec = tuple[float, float, float]
 LEGS = range(4)
+_PULL_UP = 0.25  # `pull` at least, for the root's height
 _ZERO_HIPS = (0.0,) * 4
 
 
@@ -34,7 +35,10 @@ class ContactConfig:
     slip: m; a locked foot that cannot be held closer than this is locked anew where it is.
     regrip: m; a locked foot that is asked to be further than this from its anchor steps there, if
     no more than one other foot is in the air: a swing that the contacts missed (infinite: never).
-    hop, hop_s: clearance (m) and duration (s) of that step.
+    hop, hop_s: clearance (m) and duration (s) of that step. clearance: m; a foot that surely swings
+    is at least this high, less so the surer it stands: averages of many steps scuff the floor.
+    steady: s; time constant of the root's way over the floor (0: none). Feet asked for by a network
+    slow down before they lift; a root that stopped with them, three times a second, went nowhere.
     """
 
     on: float = 0.5
@@ -45,6 +49,8 @@ class ContactConfig:
     regrip: float = math.inf
     hop: float = 0.03
     hop_s: float = 0.2
+    clearance: float = 0.0
+    steady: float = 0.0
 
 
 class ContactLock:
@@ -71,6 +77,7 @@ class ContactLock:
         self._lag = [0.0] * 4  # m that the clip kept each foot from where it was asked to be
         self._asked_w: list[Vec] = [(0.0, 0.0, 0.0)] * 4
         self._hop_left = [0.0] * 4  # s that each foot's correcting step still takes
+        self._way = [0.0, 0.0]  # m of the last period's way over the floor, smoothed
         self._arm_w: list[Vec] | None = None  # feet relative to the base, world axes, as asked last
 
     def step(
@@ -102,6 +109,7 @@ class ContactLock:
                 contact_prob.tolist(), was, self._hop_left, self._lag, strict=True
             )
         ]
+        prob: list[float] = contact_prob.tolist()
         before: list[float] = self.base_pos.tolist()
         if cfg.regrip < math.inf:
             self._regrip(want, was, anchor, before, arm)
@@ -120,6 +128,8 @@ class ContactLock:
             fade = max(1.0 - self._since[i] / cfg.release, 0.0)
             dx, dy, dz = self._offset[i]
             hop = cfg.hop * math.sin(math.pi * self._hop_left[i] / cfg.hop_s)
+            if cfg.clearance > 0.0:
+                hop = max(hop, cfg.clearance * _swings(prob[i], cfg.off))
             foot = (x + fade * dx, y + fade * dy, max(z + fade * dz, a1.FOOT_RADIUS + hop))
             if want[i]:
                 if not was[i]:
@@ -194,9 +204,13 @@ class ContactLock:
             z += (a1.FOOT_RADIUS - min(a[2] for a in arm) - z) * pull
             return [x + drift[0] * dt, y + drift[1] * dt, z]
         if self._arm_w is not None:
-            base = list(_add(base, _mean_gap(self._arm_w, arm, stance)))
+            step = _mean_gap(self._arm_w, arm, stance)
+            share = min(dt / self.config.steady, 1.0) if self.config.steady > 0.0 else 1.0
+            self._way = [w + share * (s - w) for w, s in zip(self._way, step[:2], strict=True)]
+            base = list(_add(base, (*self._way, step[2])))
         home = _mean_gap(anchor, arm, stance)
-        return [b + pull * (h - b) for b, h in zip(base, home, strict=True)]
+        pulls = (pull, pull, max(pull, _PULL_UP))
+        return [b + p * (h - b) for b, h, p in zip(base, home, pulls, strict=True)]
 
     def _reach(
         self, foot_w: list[Vec], base: list[float], turn: scalars.Matrix, locked: list[bool]
@@ -218,6 +232,12 @@ class ContactLock:
                 self.slips += 1
                 slipped = True
         return slipped
+
+
+def _swings(prob: float, off: float) -> float:
+    """How surely a foot swings: 0 at the contact probability `off`, 1 at a quarter of it."""
+    s = min(max((off - prob) / (0.75 * off), 0.0), 1.0)
+    return s * s * (3.0 - 2.0 * s)
 
 
 def _add(a: Sequence[float], b: Sequence[float]) -> Vec:

@@ -25,13 +25,16 @@ TURN_DEAD_ZONE, TURN_MAX = math.radians(4.0), math.radians(15.0)
 left, veered by 46 degrees in 9 s); the fastest is the library's."""
 
 
+AS_PLANNED = ContactConfig()
+"""For feet that are where they are planned to be."""
+
+
 class Planting:
     """Remembers feet, root, heading and the last pose; `start` forgets. One thread."""
 
     def __init__(self, settings: RetargetSettings | None = None) -> None:
         self.settings = settings or RetargetSettings()
         self._lock = ContactLock()
-        self._configs = {name: ContactConfig(regrip=e.regrip) for name, e in EXPERTS.items()}
         self.start("stand")
 
     def start(self, state: StateName) -> None:
@@ -70,17 +73,19 @@ class Planting:
         quat_s = shape_tilt(mapped.base_quat, NEUTRAL[self.state].base_quat, self.settings)
         joint_pos, contact = mapped.joint_pos, mapped.contact_prob
         vx, vy, _ = rates[RATES["base_lin_vel"]].tolist()
+        felt = mapped.turn is None  # else a generator's steps, which need no mending
         if spec.turns:
             if mapped.turn is None:
-                self._steer(quat_s, rates[RATES["base_ang_vel"]], dt)
+                self._steer(quat_s, spec.turn_gain * rates[RATES["base_ang_vel"]], dt)
             else:
                 self._yaw += mapped.turn * dt
-            joint_pos = cap_stride(joint_pos, math.hypot(vx, vy), self.settings)
+            gain = spec.stride_gain if felt else 1.0
+            joint_pos = cap_stride(joint_pos, math.hypot(vx, vy), self.settings, gain)
         c, s = math.cos(self._yaw), math.sin(self._yaw)
         drift = np.array([c * vx - s * vy, s * vx + c * vy, 0.0])
         wanted = np.array(scalars.mul(scalars.yaw(self._yaw), quat_s.tolist()))
         last, lock = self.last, self._lock
-        lock.config = self._configs[self.state]
+        lock.config = spec.consistency if felt else AS_PLANNED
         quat, turned = limit_turn(wanted, last.base_quat, spec.trunk_speed, dt)
         asked = lock.step(joint_pos, quat, contact, dt, drift, spec.root_speed)
         joint_pos, clipped = limit_speed(asked, last.joint_pos, spec.speed_limit, dt)

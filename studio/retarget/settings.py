@@ -41,14 +41,18 @@ def shape_tilt(quat: Array, neutral: Array, settings: RetargetSettings) -> Array
     return np.array(scalars.mul(shrunk, neutral.tolist()))
 
 
-def cap_stride(joint_pos: Array, speed: float, settings: RetargetSettings) -> Array:
-    """Joint angles (12,) with strides shortened so that `speed` (m/s) becomes the cap at most.
+def cap_stride(
+    joint_pos: Array, speed: float, settings: RetargetSettings, gain: float = 1.0
+) -> Array:
+    """Joint angles (12,) with strides `gain` times as long, but no faster than the speed cap.
 
-    Feet keep their height; their excursion from under the thigh joint is scaled.
+    speed: m/s, of the joints as given. Feet keep their height; their excursion from under the
+    thigh joint is scaled, to the side only ever shortened.
     """
-    if speed <= settings.speed_cap:
+    share = min(gain, settings.speed_cap / max(speed, 1e-6))
+    if share == 1.0:
         return joint_pos
     foot = kinematics.foot_pos_b(joint_pos)
     home = a1.HIP_OFFSET[:, :2] + np.stack([np.zeros(4), a1.SIDE * a1.THIGH_OFFSET], axis=-1)
-    foot[:, :2] = home + (foot[:, :2] - home) * (settings.speed_cap / speed)
+    foot[:, :2] = home + (foot[:, :2] - home) * [share, min(share, 1.0)]
     return kinematics.leg_ik(foot)[0]

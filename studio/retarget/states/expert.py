@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from studio.reference.consistency import ContactConfig
 from studio.reference.intent import StateName
 
 
@@ -13,10 +14,10 @@ class ExpertSpec:
     name: the state. covers: one line for people. speed_limit: rad/s, bound on every joint's speed
     in the temporal consistency step (the paper: 120 deg/s). trunk_speed: rad/s and root_speed: m/s,
     the same for the trunk: a little less than the joints of standing legs can follow, so that the
-    clip of the joints does not tear locked feet off the floor. regrip: m, a standing foot asked to
-    be further than this from where it stands steps there. turns: the trunk's heading is carried by
-    the feet (walking) instead of read off the person's twist. emphasis: how much more of a task's
-    motion to train on than of the others (default 1.0; 0 leaves it out).
+    clip of the joints does not tear locked feet off the floor. consistency: how feet lock.
+    stride_gain, turn_gain: times the strides and turns that a network says. turns: the trunk's
+    heading is carried by the feet (walking) instead of read off the person's twist. emphasis:
+    how much more of a task's motion to train on than of the others (default 1.0; 0: none).
     """
 
     name: StateName
@@ -24,6 +25,8 @@ class ExpertSpec:
     speed_limit: float
     trunk_speed: float
     root_speed: float
-    regrip: float = float("inf")
+    consistency: ContactConfig = field(default_factory=ContactConfig)
+    stride_gain: float = 1.0
+    turn_gain: float = 1.0
     turns: bool = False
     emphasis: Mapping[str, float] = field(default_factory=dict)
