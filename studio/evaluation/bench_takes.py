@@ -122,8 +122,8 @@ def look_at(root: Path, name: str) -> dict[str, float]:
     review_*_mb: at its largest, of memory of its own; mapped files, which the system takes back
     when it needs room, are counted in `review_mapped_mb` besides.
     """
-    from studio.live.playback import Playback
     from studio.recording import edited, review, windows
+    from studio.recording.viewed import Viewed
 
     library = SessionLibrary(root)
     before = _memory()
@@ -134,9 +134,9 @@ def look_at(root: Path, name: str) -> dict[str, float]:
         table, edits = edited.open_table(root, name)
         timeline = _seconds(lambda: windows.overview(table, edits))
     mapped = _memory()["RssFile"] - before["RssFile"]
-    playback = Playback(name, table, edits)
+    take = Viewed(name, table, edits)
     at = np.random.default_rng(0).uniform(0.0, table.seconds, SCRUBS)
-    seeks = [_seconds(lambda t=t: playback.at(float(t))) for t in at]
+    seeks = [_seconds(lambda t=t: take.at(float(t))) for t in at]
     parts = [_seconds(lambda t=t: windows.window(table, edits, t, t + 10.0)) for t in at]
     return {
         "table_s": build,

@@ -11,6 +11,7 @@ from studio.recording.datamap import DataMap
 from studio.recording.edits import Edits
 from studio.recording.library import SessionLibrary
 from studio.recording.recorder import Recorder
+from studio.recording.viewed import Viewed
 
 DT = 1.0 / 30.0
 
@@ -62,8 +63,8 @@ def test_a_loop_stays_within_the_trim(folder):
 
 def test_the_person_is_moved_by_the_lag_and_the_robot_is_not(folder):
     table = columns(folder)
-    as_acted = Playback("sway", table, Edits(lag=0.2), aligned=False).at(1.0)
-    aligned = Playback("sway", table, Edits(lag=0.2)).at(1.0)
+    as_acted = Viewed("sway", table, Edits(lag=0.2), aligned=False).at(1.0)
+    aligned = Viewed("sway", table, Edits(lag=0.2)).at(1.0)
     assert aligned.human is not None
     assert as_acted.human is not None
     assert np.allclose(aligned.human.joint_pos_w, table.rows["human"][36], atol=1e-6)
