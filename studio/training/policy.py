@@ -164,7 +164,7 @@ class PolicyTrainer:
                 ) from error
         checkpoint.restore_optimizer(self.alg.optimizer, tensors)
         self._set_rate(self.alg.schedule, facts["learning_rate"])
-        self.warmup = int(facts["warmup"])
+        self.warmup = int(facts.get("warmup", 0))
         self.samples, self.seconds = int(facts["samples"]), float(facts["seconds"])
         self.iteration, self.curve = int(facts["iteration"]), list(facts["curve"])
         self.env.env.curriculum.load(facts["curriculum"])
