@@ -50,8 +50,8 @@ class Case:
 
 CASES: tuple[Case, ...] = (
     Case(name="forward", m_s=0.55, deg_s=0.0, least_m_s=0.5),
-    Case(name="left", m_s=0.3, deg_s=10.0, least_deg_s=8.0),
-    Case(name="right", m_s=0.3, deg_s=-10.0, least_deg_s=-8.0),
+    Case(name="left", m_s=0.3, deg_s=12.0, least_deg_s=8.0),
+    Case(name="right", m_s=0.3, deg_s=-12.0, least_deg_s=-8.0),
 )
 
 
@@ -172,7 +172,7 @@ def walking(speed: float, turn: float) -> Intent:
     """What somebody means who wants this speed (m/s) and turn (rad/s): the slowest pace that has
     it within its steps."""
     for cadence in (1.5, 1.7, 1.9, 2.1, 2.3):
-        if gait.march_speed(cadence, 0.9, turn) >= speed:
+        if gait.march_speed(cadence, 0.8, turn) >= speed:
             break
     lift = max(float(gait.march_lift(cadence, speed)), 0.2)
     return Intent(

@@ -4,7 +4,8 @@ marches in place are read by rule as speed and turn, and the gait generator walk
     speed = fastest walk at this cadence * min(1, sqrt(cadence * step height / BRISK))
     turn  = YAW_GAIN * trunk's yaw, or LEAN_GAIN * its sideways lean, whichever says more
 
-The paper's alternative for walking ("target velocities"); same interface as a trained expert.
+Only these two are taken from the person; the robot's steps are its own. The paper's alternative
+for walking ("target velocities"), with the interface of a trained expert.
 """
 
 import math
@@ -33,20 +34,29 @@ CADENCES = (0.3, 2.3)
 """Strides a second that are believed."""
 FIRST_CADENCE = 0.9
 """Strides a second until a second step tells."""
-HIGHEST, BRISK = 0.45, 0.45
+HIGHEST, BRISK = 0.45, 0.35
 """m: no step counts as higher. m/s: cadence times step height of somebody who means the fastest
-walk that the cadence allows. The rule errs by 0.03 m/s at 0.8 strides a second and by 0.15 m/s at
-1.5 (150 synthetic marchers of both families: people differ in how high they step)."""
-YAW_GAIN, YAW_DEAD = 0.58, math.radians(6.0)
-"""1/s and rad: turn for each radian of trunk yaw beyond a little, which is nobody's wish. On the
-same marchers it errs by 1.9 deg/s."""
+walk that the cadence allows. On 150 synthetic marchers of both families 0.50 fitted best (people
+differ in how high they step: the rule errs by 0.03 m/s at 0.8 strides a second, by 0.15 at 1.5);
+less lets those who hardly lift their feet reach every speed too."""
+YAW_GAIN, YAW_DEAD = 0.7, math.radians(5.0)
+"""1/s and rad: turn for each radian of trunk yaw beyond a little, which is nobody's wish. 0.46
+without a dead zone fitted best, erring by 1.9 deg/s: people twist by 1.4 to 3 rad a rad/s."""
 LEAN_GAIN, LEAN_DEAD = 1.0, math.radians(7.0)
 """The same for sideways lean."""
 TURN_MAX = math.radians(15.0)
 PATIENCE = 1.6
 """Half strides without a step after which nobody marches any more."""
-CATCH_UP = 4.0
-"""1/s, how soon the robot's phase closes in on the person's."""
+STRETCH = 0.75
+"""Share of the longest steps that the robot's own cadence leaves for a speed: told 0.5 m/s, the
+simulated robot walks 0.47 at 1.6 strides a second, 0.43 at 1.4 and 0.36 at 1.8."""
+CRAWLS, TROTS = np.linspace(0.3, 0.9, 13), np.linspace(1.4, 2.3, 19)
+CRAWL_SPEEDS, TROT_SPEEDS = gait.speed_limit(CRAWLS), gait.speed_limit(TROTS)
+"""Strides a second of the robot, and the fastest walk (m/s) at each."""
+SETTLE_S = 0.4
+"""s, time constant of the robot's cadence."""
+LIFT = 0.8
+"""Clearance of its steps, as `Intent.lift`."""
 
 _L_ANKLE, _R_ANKLE = (3 * BONES.index(f"{side}_ankle") + 2 for side in "lr")
 _L_SHOULDER, _R_SHOULDER, _CHEST = (
@@ -59,16 +69,14 @@ _L_SHOULDER, _R_SHOULDER, _CHEST = (
 class March:
     """What is read off a person in one control period.
 
-    phase: strides, its fraction as in `Intent`. cadence: strides/s, 0 when nobody marches.
-    step: m, height of the last steps. speed: m/s. turn: rad/s, > 0 left. lift: [0, 1].
+    cadence: strides/s, 0 when nobody marches. step: m, height of the last steps. speed: m/s.
+    turn: rad/s, > 0 left.
     """
 
-    phase: float
-    cadence: float
-    step: float
-    speed: float
-    turn: float
-    lift: float
+    cadence: float = 0.0
+    step: float = 0.0
+    speed: float = 0.0
+    turn: float = 0.0
 
 
 def speed_of(cadence: float, step: float) -> float:
@@ -98,7 +106,7 @@ def _beyond(angle: float, dead: float) -> float:
 
 
 class MarchReader:
-    """Counts steps and times them; `step` once a control period. One thread."""
+    """Times steps and measures them; `step` once a control period. One thread."""
 
     def __init__(self, dt: float = CONTROL_DT) -> None:
         self._dt = dt
@@ -107,35 +115,26 @@ class MarchReader:
         self._foot: int | None = None  # which stepped last
         self._at = -math.inf  # s of its step
         self._half = 0.5 / FIRST_CADENCE  # s between the last steps
-        self._strides = 0.0  # of the last step: whole for the left foot, and a half for the right
-        self._phase = gait.REST_PHASE
         self._peak, self._step = 0.0, 0.0
         self._trunk: deque[tuple[float, float]] = deque(maxlen=round(1.0 / CADENCES[0] / dt))
 
     def step(self, q: Array) -> March:
         """Read one more frame: q (F,) of the person's features."""
         self._t += self._dt
-        self._count(float(q[_L_ANKLE] - q[_R_ANKLE]))
-        marching = self._t - self._at < PATIENCE * self._half
-        if not marching:
-            self._step = 0.0
-        cadence = 0.5 / self._half if marching else 0.0
-        self._run_on(cadence)
         self._trunk.append(trunk_of(q))
+        self._watch(float(q[_L_ANKLE] - q[_R_ANKLE]))
+        if self._t - self._at > PATIENCE * self._half:
+            self._step = 0.0
+            return March()
+        cadence, step = 0.5 / self._half, max(self._step, self._peak)
         # A march sways the trunk: what is meant is the mean over a stride.
         span = round(2.0 * self._half / self._dt)
         yaw, lean = np.mean(list(self._trunk)[-span:], axis=0).tolist()
-        step = max(self._step, self._peak)
         return March(
-            phase=self._phase,
-            cadence=cadence,
-            step=step if marching else 0.0,
-            speed=speed_of(cadence, step) if marching else 0.0,
-            turn=turn_of(yaw, lean) if marching else 0.0,
-            lift=_lift(cadence, step) if marching else 0.0,
+            cadence=cadence, step=step, speed=speed_of(cadence, step), turn=turn_of(yaw, lean)
         )
 
-    def _count(self, above: float) -> None:
+    def _watch(self, above: float) -> None:
         """Feet: `above` m is the left ankle's height over the right one's."""
         if self._up is None:
             if abs(above) > max(FOOT_UP, UP_SHARE * self._step):
@@ -149,42 +148,31 @@ class MarchReader:
             self._peak = max(self._peak, abs(above))
 
     def _stepped(self, foot: int) -> None:
-        """A foot left the floor: where in the stride, and how long after the one before."""
-        gap = self._t - self._at
-        same = foot == self._foot
-        halves = 2 if same else 1
-        going = gap < PATIENCE * self._half * halves + 0.5
-        slow, quick = (0.5 / c for c in CADENCES)
-        if self._foot is None or not going:
+        """A foot left the floor: how long after the one before?"""
+        gap, halves = self._t - self._at, 2 if foot == self._foot else 1
+        if gap > PATIENCE * self._half * halves + 0.5:  # the first one, or after a pause
             self._half = 0.5 / FIRST_CADENCE
-            self._start(foot)
         else:
+            slow, quick = (0.5 / c for c in CADENCES)
             half = min(max(gap / halves, quick), slow)
-            self._half = half if same else 0.5 * (self._half + half)
-            self._strides += 0.5 * halves
+            self._half = 0.5 * (self._half + half)
         self._foot, self._at = foot, self._t
 
-    def _start(self, foot: int) -> None:
-        """All feet stand: the phase may leap to just before this foot's swing."""
-        # Further than half a stride, which the gait generator takes for a leap, not for a way.
-        self._strides = math.floor(self._phase) + 2.0 + 0.5 * foot
-        self._phase = self._strides - 0.5 + gait.REST_PHASE
 
-    def _run_on(self, cadence: float) -> None:
-        """The phase follows the person's, and waits with all feet down for a step that is late."""
-        if self._foot is None:
-            return
-        due = self._strides + min((self._t - self._at) * 0.5 / self._half, gait.REST_PHASE)
-        # Somebody who stops in the midst of a stride leaves no foot in the air.
-        pace = cadence or 0.5 / self._half
-        ahead = pace * self._dt + CATCH_UP * self._dt * (due - self._phase - pace * self._dt)
-        most = self._strides + gait.REST_PHASE
-        self._phase = min(self._phase + min(max(ahead, 0.0), 2.0 * pace * self._dt), most)
+def gait_cadence(speed: float) -> float:
+    """Strides a second at which the robot walks at `speed` m/s: its own choice, not the person's.
 
-
-def _lift(cadence: float, step: float) -> float:
-    """[0, 1], the clearance: the lift at which the gait generator means the same speed."""
-    return 1.0 - math.sqrt(1.0 - _share(cadence, step))
+    Crawling while it can, then trotting, each at the slowest pace that has the speed within
+    STRETCH of its longest steps: short quick steps scuff, and between crawl and trot it tips.
+    """
+    wanted = speed / STRETCH
+    return float(
+        np.interp(
+            wanted,
+            CRAWL_SPEEDS if wanted <= CRAWL_SPEEDS[-1] else TROT_SPEEDS,
+            CRAWLS if wanted <= CRAWL_SPEEDS[-1] else TROTS,
+        )
+    )
 
 
 class SemanticWalk:
@@ -215,22 +203,12 @@ class SemanticStride:
 
     def __init__(self) -> None:
         self.reader, self._realizer = MarchReader(), Realizer()
-        self._yaw = 0.0
+        self._yaw, self._phase, self._cadence = 0.0, gait.REST_PHASE, 0.0
 
     def __call__(self, triplet: NDArray) -> Mapped:
         """One control period's triplet (3F,) to what an expert says of it."""
         march = self.reader.step(np.asarray(triplet[:FEATURE_DIM], np.float64))
-        pose = self._realizer.step(
-            Intent(
-                state="walk",
-                task="semantic",
-                phase=march.phase,
-                cadence=march.cadence,
-                speed=march.speed,
-                turn=march.turn,
-                lift=march.lift,
-            )
-        )
+        pose = self._realizer.step(self._intent(march))
         yaw = float(spatial.heading(pose.base_quat))
         turned = spatial.wrap_angle(yaw - self._yaw)
         self._yaw = yaw
@@ -245,4 +223,27 @@ class SemanticStride:
             rates=rates,
             contact_prob=pose.foot_contact,
             turn=float(turned) / CONTROL_DT,
+        )
+
+    def _intent(self, march: March) -> Intent:
+        """Speed and turn as told, at a cadence of the robot's own; stops with all feet down."""
+        if march.speed > 0.0:
+            goal = gait_cadence(march.speed)
+            share = 1.0 if self._cadence <= 0.0 else CONTROL_DT / SETTLE_S
+            self._cadence += share * (goal - self._cadence)
+            self._phase += self._cadence * CONTROL_DT
+        else:
+            halves = math.ceil(2.0 * (self._phase - gait.REST_PHASE) - 1e-6)
+            rest = 0.5 * halves + gait.REST_PHASE
+            self._phase = min(self._phase + self._cadence * CONTROL_DT, rest)
+            if self._phase >= rest:
+                self._cadence = 0.0
+        return Intent(
+            state="walk",
+            task="semantic",
+            phase=self._phase,
+            cadence=self._cadence,
+            speed=march.speed,
+            turn=march.turn,
+            lift=LIFT if self._cadence > 0.0 else 0.0,
         )

@@ -2,7 +2,10 @@
 
 Reads top to bottom: pairs of the takes as their edits leave them, some held out; an expert for
 each state; what it is worth beside the nearest pair, ridge regression and the shipped expert;
-weights and sidecar. States without takes keep the shipped expert. What happens on the way goes to
+weights and sidecar. States without takes keep the shipped expert, and every mapper the style's
+shipped selector: takes show a motion at a time, begun and ended in standing, so they hold none of
+what a selector must tell apart (idle arms, brisk exercise, one state turning into another), and
+fitted to one person it would call everybody else unknown. What happens on the way goes to
 a progress file, a JSON object a line, for whoever watches.
 """
 
@@ -27,7 +30,7 @@ from studio.retarget.baselines.base import FrameMapper, Targets
 from studio.retarget.baselines.nearest import NearestPair
 from studio.retarget.baselines.ridge import Ridge
 from studio.retarget.mapper import Mapper
-from studio.retarget.store import load_experts, style_dir
+from studio.retarget.store import load_experts, ruled, stem, style_dir
 from studio.training.mapper import MapperTraining, commit, fit_expert
 from studio.training.mapper_net import MapperNet
 from studio.training.operator_pairs import PairSet, mirrored
@@ -102,7 +105,9 @@ def _train(config: TakesTraining, say: Say, began: float) -> dict[str, Any]:
     name = check_name(config.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}", "mapper")
     out = Path(config.sessions) / "mappers" / name
     splits: dict[StateName, Split] = {
-        s: split_pairs(found.by_take(s)) for s in config.states if found.count(s)
+        s: split_pairs(found.by_take(s))
+        for s in config.states
+        if found.count(s) and not ruled(s, config.style)
     }
     enough: dict[StateName, Split] = {
         s: split for s, split in splits.items() if len(split.known) >= MIN_PAIRS
@@ -167,7 +172,11 @@ def train_state(
 
     begin = None
     if further:
-        begin = MapperNet.from_tensors(load_file(style_dir(config.style) / f"{state}.safetensors"))
+        begin = MapperNet.from_tensors(
+            load_file(
+                stem(style_dir(config.style), state, config.style).with_suffix(".safetensors")
+            )
+        )
     net = fit_expert(state, known, settings, watch=watch, net=begin)
     tensors = net.export()
     targets = Targets(**{f: getattr(known, f) for f in Targets.__dataclass_fields__})
@@ -249,9 +258,11 @@ def write_mapper(
                 save_file(dict(tensors[part]), scratch / f"{part}.safetensors")
                 facts = {"expert": part, **about["experts"][part], "dataset": about["dataset"]}
                 (scratch / f"{part}.json").write_text(json.dumps(facts, indent=1) + "\n")
-            else:
+            elif not ruled(part, style):
+                # Kept beside the others, so that the mapper stays what it is when these change.
+                shipped = stem(source, part, style)
                 for suffix in (".safetensors", ".json"):
-                    shutil.copyfile(source / f"{part}{suffix}", scratch / f"{part}{suffix}")
+                    shutil.copyfile(shipped.with_suffix(suffix), scratch / f"{part}{suffix}")
         (scratch / "mapper.json").write_text(json.dumps(about, indent=1) + "\n")
         if out.exists():
             raise StudioError(f"a mapper named {out.name} exists: choose another name")

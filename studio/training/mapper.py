@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any, Literal, cast
 
 import numpy as np
 import torch
@@ -25,7 +25,7 @@ from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.retarget.mapper import Mapper
 from studio.retarget.states import EXPERTS
-from studio.retarget.store import STYLES, style_dir
+from studio.retarget.store import STYLES, ruled, shared, style_dir
 from studio.training import checkpoint
 from studio.training.losses import OURS, LossWeights, Motion, mapper_loss
 from studio.training.mapper_net import MapperNet
@@ -69,7 +69,7 @@ def run_train_mapper(config: MapperTraining) -> dict[str, Any]:
         raise unknown_name("style", config.style, STYLES)
     out = config.out or style_dir(config.style)
     out.mkdir(parents=True, exist_ok=True)
-    parts = (*EXPERTS, "selector") if config.state == "all" else (config.state,)
+    parts = parts_of(config)
     columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
     console = Console(stderr=True)
     rows = []
@@ -82,10 +82,28 @@ def run_train_mapper(config: MapperTraining) -> dict[str, Any]:
                     config.style, config.seed, config.selector_seconds, _ticker(bar, task)
                 )
             else:
-                tensors, scores = _train_expert(part, config, out, bar)
+                tensors, scores = _train_expert(cast(StateName, part), config, out, bar)
             seconds = round(time.perf_counter() - began, 1)
             rows.append(_write(out, part, config, tensors, scores, seconds))
     return {"style": config.style, "out": out.name, "rows": rows}
+
+
+def parts_of(config: MapperTraining) -> tuple[str, ...]:
+    """What to train: of "all", what the style does not share. StudioError if nothing."""
+    if ruled(config.state, config.style):
+        raise StudioError(
+            f"style {config.style} walks by rules: there is nothing to train for walk"
+        )
+    if config.state != "all":
+        return (config.state,)
+    own = tuple(p for p in (*EXPERTS, "selector") if not shared(p, config.style))
+    own = tuple(p for p in own if not ruled(p, config.style))
+    if not own:
+        raise StudioError(
+            f"style {config.style} shares stand, sit and selector with march and walks by rules: "
+            "train those with --style march, or name one with --state"
+        )
+    return own
 
 
 def train_mapper(config: MapperTraining) -> dict[str, Any]:
