@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from studio import __version__, spatial
 from studio.errors import StudioError, unknown_name
 from studio.human import calibration, canonical, features, filters, posture
-from studio.recording import alignment, columns, edited, lag, pairs, synchrony
+from studio.recording import alignment, columns, edited, lag, likelihood, pairs, synchrony
 from studio.recording.edits import read_edits
 from studio.recording.library import SessionLibrary
 from studio.recording.names import check_name
@@ -37,8 +37,8 @@ from studio.reference.intent import STATES
 DATASETS, TABLE, MANIFEST = "datasets", "pairs.parquet", "manifest.json"
 FORMAT_VERSION = 1
 _CODE: tuple[ModuleType, ...] = (
-    alignment, calibration, canonical, columns, contact, edited, features, filters, lag, pairs,
-    posture, spatial, synchrony,
+    alignment, calibration, canonical, columns, contact, edited, features, filters, lag, likelihood,
+    pairs, posture, spatial, synchrony,
 )  # fmt: skip
 _EDITS = ("trim", "cuts", "lag", "warp", "keep", "label")
 _NAMES = ("take", "state", "tick")

@@ -1,30 +1,22 @@
 """How late a person was: the lag at which the shown robot motion explains the person best.
 
-A linear model of the person's body on the robot's pose is fitted at every lag; what it leaves says
-how likely the lag is:
+How likely each lag is, `likelihood` says. A gait is told by when feet leave the floor: a person's
+foot stays up longer than the robot's, so that the middles of their steps do not coincide, but both
+lift at the same beat.
 
-    log L(k) = -n/2 sum_i log(1 - rho_i(k)^2),   n: independent samples
-
-rho_i: the largest canonical correlations of H(t + k) and R(t). No gain of a person's is assumed,
-and noise common to many joints (sway, a sensor that wanders) counts once. Both sides are
-band-passed: what is slower than a movement is drift, what is faster is noise. A gait is told by
-when feet leave the floor: a person's foot stays up longer than the robot's, so that the middles of
-their steps do not coincide, but both lift at the same beat.
-
-One take of 8 s is rarely enough for a frame's precision, since people sway as they act; the lag of
-a person is the same all session, and the takes of a session together are (see `align`).
+One take is rarely enough for a frame's precision, since people sway as they act; the lag of a
+person is the same all session, and the takes of a session together are (see `align`).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import butter, sosfiltfilt
 
 from studio import spatial
 from studio.human.skeleton import INDEX
+from studio.recording import likelihood
 from studio.recording.alignment import (
     MAX_LAG_S,
     MIN_LAG_S,
@@ -36,13 +28,6 @@ from studio.robot import a1, kinematics
 
 Array = NDArray[np.float64]
 
-BAND_HZ = (0.25, 6.0)
-DIMS, RANK = 16, 3
-"""Principal components of the person's motion, and how many directions among them are explained:
-more would let noise vote."""
-SAMPLES_HZ = 0.6
-"""Independent samples in a second of motion, so few that `certainty` claims no more than it holds
-(tests/recording/test_recording_lag.py)."""
 STEP_SHARES = (0.42, 0.46, 0.50)
 """How long a person's foot may be in the air, as a share of the stride."""
 STILL = 0.003
@@ -186,43 +171,12 @@ def _likelihood(human: HumanSide, robot: RobotSide, dt: float, lags: Array) -> C
     gait = len(robot.lifts[0]) > 0
     if n < 30 or (shown.shape[1] == 0 and not gait):
         return None
-    body = _band(human.pose[:n])
-    body -= body.mean(axis=0)
-    values, vectors = np.linalg.eigh(body.T @ body)
-    if values[-1] < 1e-12:
+    steps = [_steps(robot.lifts, n, share) for share in STEP_SHARES] if gait else []
+    try:
+        level, explained = likelihood.levels(human.pose[:n], shown, steps, lags)
+    except ValueError:
         return None
-    parts = body @ vectors[:, -DIMS:]
-    level, explained = np.full(len(lags), -np.inf), np.zeros(len(lags))
-    for share in STEP_SHARES if gait else (0.0,):
-        extra = _steps(robot.lifts, n, share) if gait else np.zeros((n, 0))
-        basis = _basis(_band(np.concatenate([shown, extra], axis=1)))
-        for j, k in enumerate(lags):
-            y = parts[np.clip(np.arange(n) + int(k), 0, n - 1)]
-            y = y - y.mean(axis=0)
-            rest = y - basis @ (basis.T @ y)
-            likely = SAMPLES_HZ * dt * n * _canonical(y, rest)
-            if likely > level[j]:
-                level[j], explained[j] = likely, 1.0 - np.sum(rest**2) / np.sum(y**2)
-    return Curve(lags=lags, level=_blurred(level) if gait else level, explained=explained)
-
-
-def _canonical(y: Array, rest: Array) -> float:
-    """-1/2 the sum of log(1 - rho^2) over the RANK largest canonical correlations rho."""
-    jitter = 1e-9 * len(y) * np.eye(y.shape[1])
-    half = np.linalg.inv(np.linalg.cholesky(y.T @ y + jitter))
-    left = np.linalg.eigvalsh(half @ (rest.T @ rest + jitter) @ half.T)[:RANK]
-    return -0.5 * float(np.sum(np.log(np.maximum(left, 1e-6))))
-
-
-def _blurred(level: Array) -> Array:
-    """A likelihood that allows a frame of doubt: how long a person's foot stays up is a guess."""
-    if len(level) < 3:
-        return level
-    away = np.arange(-4, 5)
-    wide = np.pad(level, 4, mode="edge")
-    windows = np.lib.stride_tricks.sliding_window_view(wide, 9) - 0.5 * away**2
-    top = windows.max(axis=-1)
-    return top + np.log(np.exp(windows - top[:, None]).sum(axis=-1))
+    return Curve(lags=lags, level=level, explained=explained)
 
 
 def _scaled(x: Array) -> Array:
@@ -230,22 +184,6 @@ def _scaled(x: Array) -> Array:
     spread = x.std(axis=0)
     moving = spread > STILL
     return (x[:, moving] - np.median(x[:, moving], axis=0)) / spread[moving]
-
-
-def _basis(x: Array) -> Array:
-    """Orthonormal columns (T, K) spanning x, without directions in which hardly anything is."""
-    u, s, _ = np.linalg.svd(x - x.mean(axis=0), full_matrices=False)
-    return u[:, s > 0.02 * max(s[0], 1e-9)]
-
-
-@lru_cache(maxsize=4)
-def _filter(low: float, high: float) -> Array:
-    return np.asarray(butter(2, [low, high], "band", fs=a1.CONTROL_HZ, output="sos"))
-
-
-def _band(x: Array) -> Array:
-    padded = np.pad(x, ((45, 45), (0, 0)), mode="edge")
-    return np.asarray(sosfiltfilt(_filter(*BAND_HZ), padded, axis=0), dtype=np.float64)[45:-45]
 
 
 def _vertex(score: Array, i: int) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
-from studio.recording import alignment, lag
+from studio.recording import alignment, lag, likelihood
 from studio.recording import edits as edit_log
 from studio.recording.alignment import Alignment
 from studio.recording.columns import CACHE, Columns, columns
@@ -75,7 +75,13 @@ def _curve(folder: Path) -> lag.Curve | None:
     if edits.keep is False:
         return None
     table = columns(folder)
-    key = [lag.SAMPLES_HZ, len(table), (folder / TAPE).stat().st_mtime_ns, edits.trim, edits.cuts]
+    key = [
+        likelihood.VERSION,
+        len(table),
+        (folder / TAPE).stat().st_mtime_ns,
+        edits.trim,
+        edits.cuts,
+    ]
     cache = folder.parent / CACHE / f"{folder.name}.lag.json"
     try:
         known = msgspec.json.decode(cache.read_bytes())

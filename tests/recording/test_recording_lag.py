@@ -1,15 +1,24 @@
 """How late a person was: what one take tells, what a session tells, and how sure it says it is.
 
-Measured on library motion of difficulty 0.7 and 8 s, as collecting shows it, between rests of
-1.5 s, acted out by synthetic people of both movement families, seen by motion capture, a depth
-camera or a webcam in turn; lags are spread evenly over 0 to 0.8 s; moving tasks take turns.
+Lag: s from the shown motion to the person's, as the library's intent is acted out: the reaction and
+half of the movement that answers it, both known of a synthetic person; spread evenly over 0 to
+0.8 s. Library motion of difficulty 0.7 between rests of 1.5 s, both movement families, seen by
+motion capture, a depth camera or a webcam in turn.
 
-60 sessions (seeds [11, 0..59]): one take alone is within a frame in 66 % (manipulation 0.73 to
-0.88, gaits 0.63 to 0.70, tilt 0.66, crouch 0.57, sit_tilt 0.25: small slow motion of somebody who
-sways). The takes of a session together: four 93 %, six 98 %, eight 100 %.
+One take alone, 8 to 20 s of activity (240 takes, seed 999): within a frame in 80 %, within two in
+90 %. By task: tilt 0.75, crouch 0.79, manipulate 0.88, tilt and manipulate 0.92, walk 0.79, turn
+0.58, march 0.92, sit and tilt 0.58, sit and manipulate 0.92; motion capture 0.90, depth camera
+0.79, webcam 0.71; whole takes under 14 s 0.57, of 14 to 19 s 0.78, longer 0.86. People who do not
+sway or jiggle, sensor noise only (120 takes): 87 %, with motion capture 95 %.
+
+95 % by one take is out of reach with these people: who knows their very motion, free of sway and
+noise, and needs only to slide it along, is within a frame in 91 % (sit and tilt 0.5, where slow
+small motion drowns in sway). The takes of a session together are.
 """
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -61,6 +70,27 @@ def test_the_lag_of_a_session_of_six_takes_is_found_within_a_frame_in_95_percent
     assert np.mean(sure) == pytest.approx(np.mean(alone), abs=0.15)
     certain = np.array(sure) > 0.8
     assert np.mean(np.array(alone)[certain]) > np.mean(np.array(alone)[~certain]) + 0.1
+
+
+@pytest.mark.slow
+def test_the_lag_of_one_take_is_found_within_a_frame_as_often_as_is_said():
+    errors, calm_errors = [], []
+    for k in range(6):
+        for i, task in enumerate(MOVING):
+            rng = np.random.default_rng([999, k, i])
+            options: dict[str, Any] = {"fidgets": False, "difficulty": 0.7}
+            options |= {"family": ("default", "held_out")[k % 2], "sensor": SENSORS[k // 2]}
+            acted = acted_take(task, rng, seconds=float(rng.uniform(8.0, 20.0)), **options)
+            errors.append(lag.align(*sides(acted), DT).lag - acted.lag)
+            still = Person.sample(rng, options["family"], sensor="mocap")
+            habits = replace(still.habits, sway=0.0, lively=0.0, timing=0.0)
+            acted = acted_take(task, rng, person=replace(still, habits=habits), **options)
+            calm_errors.append(lag.align(*sides(acted), DT).lag - acted.lag)
+    within = np.abs(errors) <= DT
+    assert np.mean(within) >= 0.7  # 0.80 of many; of 60 by chance 0.7 to 0.9
+    assert np.mean(np.abs(errors) <= 2 * DT) >= 0.82
+    assert abs(np.median(errors)) < 0.01
+    assert np.mean(np.abs(calm_errors) <= DT) >= 0.85
 
 
 def test_a_clear_movement_is_found_by_its_take_alone():
