@@ -45,7 +45,8 @@ def run_kicks(
                     settings=who.settings,
                     foresee=who.foresee,
                 )
-                when = rng.integers(*(np.array(MOMENTS_S) * 30).astype(int), episodes)
+                first, last = (round(30.0 * moment) for moment in MOMENTS_S)
+                when = rng.integers(first, last, episodes)
                 angle = rng.uniform(0.0, 2.0 * np.pi, episodes)
                 push = kick * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
                 env.reset()

@@ -72,8 +72,11 @@ def run_tracking(
     """
     wanted = cast(list[StateName], names_of("state", states, STATES))
     chosen = names_of("controller", controllers, CONTROLLERS)
-    jobs = [(s, contender(c, s, models)) for s in wanted for c in chosen]
-    present: list[Job] = [(s, c) for s, c in jobs if c is not None]
+    present: list[Job] = []
+    for state in wanted:
+        for name in chosen:
+            if who := contender(name, state, models):
+                present.append((state, who))
     return {"rows": compare(present, episodes, seed, int(threads), cache, progress)}
 
 

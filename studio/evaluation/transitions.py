@@ -53,8 +53,8 @@ def run_transitions(
     rows = []
     for goal, sources in SOURCES.items():
         for source in sources:
-            present = [(goal, contender(name, goal, models)) for name in controllers]
-            jobs: list[Job] = [(state, who) for state, who in present if who is not None]
+            found = [contender(name, goal, models) for name in controllers]
+            jobs: list[Job] = [(goal, who) for who in found if who is not None]
             motions = crossings_from(cast(StateName, source))
             done = compare(jobs, episodes, seed, threads, cache, progress, motions)
             rows += [{"from": source, "to": goal, **row} for row in done]

@@ -60,7 +60,8 @@ class Symmetric:
         both = np.concatenate([observation, observation[:, self._index] * self._sign])
         action = self.network(both)
         half = len(observation)
-        return 0.5 * (action[:half] + action[half:][:, JOINT_INDEX] * self._joint_sign)
+        both_sides = action[:half] + action[half:][:, JOINT_INDEX] * self._joint_sign
+        return np.multiply(both_sides, 0.5, dtype=np.float32)
 
 
 class Policy:

@@ -27,6 +27,7 @@ def treated(
 
 def test_without_noise_an_untreated_reference_is_the_clean_one(bank: MotionBank) -> None:
     calm = treated(bank, contact=False, sigma=(0.0, 0.0), freeze=1e-6, contact_noise=0.0)
+    assert calm.seen is not None
     np.testing.assert_allclose(calm.seen, bank.feature, atol=1e-6)
 
 
