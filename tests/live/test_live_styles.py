@@ -1,0 +1,89 @@
+"""Changing what walking means while the robot is driven: experts, operator and state follow."""
+
+import threading
+
+import numpy as np
+import pytest
+
+from studio.human.skeleton import INDEX
+from studio.live import commands as c
+from studio.live.clock import FakeClock
+from studio.live.loop import LiveLoop
+from studio.live.opened import SessionConfig
+from studio.live.session import Session
+
+DT = 1.0 / 30.0
+
+
+@pytest.fixture
+def loop(tmp_path):
+    config = SessionConfig(source="operator:walk", sessions=tmp_path / "sessions")
+    made = LiveLoop(clock=FakeClock(), session=Session(config))
+    yield made
+    made.session.close()
+
+
+def run(loop, seconds):
+    ticks = []
+    for _ in range(round(seconds / DT)):
+        loop.tick()
+        ticks.append(loop.ticks.get())
+        loop.wait()
+    return ticks
+
+
+def ask(loop, command):
+    answers = []
+    asker = threading.Thread(target=lambda: answers.append(loop.submit(command, timeout=20.0)))
+    asker.start()
+    while asker.is_alive():
+        run(loop, DT)
+        asker.join(0.002)
+    return answers[0]
+
+
+def test_a_style_is_changed_without_restart_and_the_operator_walks_in_it_without_a_jump(loop):
+    run(loop, 1.0)
+    source = loop.session.source
+    assert ask(loop, c.SetStyle(style="circles")).ok
+    ticks = run(loop, 3.0)
+    state = loop.state_dict()
+    assert (state["style"], state["mapper"]["style"]) == ("circles", "circles")
+    assert loop.session.source is source
+    assert np.mean([tick.expert == "walk" for tick in ticks[60:]]) > 0.9
+    # The feet stay on the floor now, and nothing leapt on the way there.
+    joints = np.array([tick.human.joint_pos_w for tick in ticks])
+    ankles = joints[60:, [INDEX["l_ankle"], INDEX["r_ankle"]], 2]
+    assert np.ptp(ankles, axis=0).max() < 0.1
+    assert np.linalg.norm(np.diff(joints, axis=0), axis=-1).max() < 0.25
+    assert loop.state_dict()["counters"]["rejected"] == 0
+
+
+def test_going_back_brings_the_style_back_too(loop):
+    assert ask(loop, c.SetStyle(style="semantic")).ok
+    assert ask(loop, c.SetMapper(back=True)).ok
+    assert loop.state_dict()["style"] == "march"
+    assert loop.session.source.person.style == "march"
+
+
+def test_in_collect_the_person_who_acts_takes_up_the_style_and_so_does_who_waits(loop):
+    assert ask(loop, c.SetMode(mode="collect")).ok
+    assert ask(loop, c.SetStyle(style="circles")).ok
+    assert loop.session.source.person.style == "circles"
+    assert ask(loop, c.SetMode(mode="live")).ok
+    assert loop.session.source.person.style == "circles"
+    assert loop.session.about()["style"] == "circles"
+    assert ask(loop, c.SetSource(spec="operator:march")).ok
+    assert loop.session.source.person.style == "circles"
+
+
+def test_a_style_is_not_changed_in_the_midst_of_a_take_and_an_unknown_one_never(loop):
+    assert ask(loop, c.StartTake()).ok
+    answer = ask(loop, c.SetStyle(style="circles"))
+    assert not answer.ok
+    assert "stop it first" in answer.why
+    assert ask(loop, c.StopTake()).ok
+    answer = ask(loop, c.SetStyle(style="waltz"))
+    assert not answer.ok
+    assert "circles" in answer.why
+    assert loop.state_dict()["style"] == "march"
