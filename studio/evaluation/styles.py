@@ -49,7 +49,7 @@ class Case:
 
 
 CASES: tuple[Case, ...] = (
-    Case(name="forward", m_s=0.55, deg_s=0.0, least_m_s=0.5),
+    Case(name="forward", m_s=0.58, deg_s=0.0, least_m_s=0.5),
     Case(name="left", m_s=0.3, deg_s=12.0, least_deg_s=8.0),
     Case(name="right", m_s=0.3, deg_s=-12.0, least_deg_s=-8.0),
 )

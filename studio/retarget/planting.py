@@ -34,6 +34,7 @@ class Planting:
 
     def __init__(self, settings: RetargetSettings | None = None) -> None:
         self.settings = settings or RetargetSettings()
+        self.stride_gain = 1.0  # times the strides that a network says
         self._lock = ContactLock()
         self.start("stand")
 
@@ -79,7 +80,7 @@ class Planting:
                 self._steer(quat_s, spec.turn_gain * rates[RATES["base_ang_vel"]], dt)
             else:
                 self._yaw += mapped.turn * dt
-            gain = spec.stride_gain if felt else 1.0
+            gain = self.stride_gain if felt else 1.0
             joint_pos = cap_stride(joint_pos, math.hypot(vx, vy), self.settings, gain)
         c, s = math.cos(self._yaw), math.sin(self._yaw)
         drift = np.array([c * vx - s * vy, s * vx + c * vy, 0.0])

@@ -75,6 +75,7 @@ class Retargeter:
         self.selector = Selector(experts.prototypes, selector)
         self._filter = TripletFilter(SELECTOR_CUTOFF_HZ, a1.CONTROL_DT)
         self._planting = Planting(settings)
+        self._planting.stride_gain = experts.stride_gain
         self.reset()
 
     @staticmethod
@@ -116,6 +117,7 @@ class Retargeter:
         """Other experts from the next frame on; person, place and lock stay."""
         lock, config = self.selector.lock, self.selector.config
         self.experts = experts
+        self._planting.stride_gain = experts.stride_gain
         self.selector = Selector(experts.prototypes, config)
         self.selector.set_lock(lock)
         self._begin()

@@ -15,7 +15,7 @@ class ExpertSpec:
     in the temporal consistency step (the paper: 120 deg/s). trunk_speed: rad/s and root_speed: m/s,
     the same for the trunk: a little less than the joints of standing legs can follow, so that the
     clip of the joints does not tear locked feet off the floor. consistency: how feet lock.
-    stride_gain, turn_gain: times the strides and turns that a network says. turns: the trunk's
+    turn_gain: times the turns that a network says. turns: the trunk's
     heading is carried by the feet (walking) instead of read off the person's twist. emphasis:
     how much more of a task's motion to train on than of the others (default 1.0; 0: none).
     """
@@ -26,7 +26,6 @@ class ExpertSpec:
     trunk_speed: float
     root_speed: float
     consistency: ContactConfig = field(default_factory=ContactConfig)
-    stride_gain: float = 1.0
     turn_gain: float = 1.0
     turns: bool = False
     emphasis: Mapping[str, float] = field(default_factory=dict)
