@@ -35,6 +35,7 @@ class BenchConfig:
     page: bool = True
     browser: bool = True
     training: bool = True
+    takes: bool = True
 
 
 def run_bench(config: BenchConfig) -> dict[str, Any]:
@@ -52,9 +53,14 @@ def run_bench(config: BenchConfig) -> dict[str, Any]:
         if config.browser:
             result["loop_beside_browser"] = bench_live.loop_beside_browser(config.seconds)
     if config.training:
-        from studio.evaluation.bench_training import training_rates
+        from studio.evaluation.bench_training import mapper_growth, training_rates
 
         result["training"] = training_rates(min(config.seconds, 5.0))
+        result["mapper"] = mapper_growth()
+    if config.takes:
+        from studio.evaluation.bench_takes import takes_cost
+
+        result["takes"] = takes_cost()
     if earlier is not None:
         result["compared"] = compare(result, earlier)
     return result

@@ -69,7 +69,7 @@ def listing(root: Path, pattern: list[Tick], takes: int) -> dict[str, float]:
 
 def long_take(root: Path, pattern: list[Tick], minutes: float) -> dict[str, float]:
     """Record a take of that length with the real recorder, then look at it in a fresh process."""
-    name = f"long{minutes:g}"
+    name = f"long-{60 * minutes:.0f}s"
     recorder = Recorder(root)
     began = time.perf_counter()
     recorder.start("tour", name=name)

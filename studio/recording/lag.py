@@ -120,10 +120,12 @@ def _steps(lifts: tuple[Array, Array], n: int, share: float) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
-    """lags (K,) frames, ascending; level (K,) log likelihood; explained (K,) share in [0, 1]."""
+    """lags (K,) frames, ascending; level (K,) log likelihood by this take alone; place (K,) what
+    it adds to others of its session (see `align`); explained (K,) share in [0, 1]."""
 
     lags: Array
     level: Array
+    place: Array
     explained: Array
 
 
@@ -145,7 +147,10 @@ def align(human: HumanSide, robot: RobotSide, dt: float, others: Sequence[Curve]
     own = curve(human, robot, dt)
     if own is None:
         return Alignment(lag=0.0, correlation=0.0, certainty=0.0)
-    level = own.level + sum((c.level - c.level.max() for c in others), np.zeros(len(own.lags)))
+    level = own.level
+    if others:
+        # Speeds claim more than they know: one take that errs would outvote five.
+        level = own.place + sum((c.place - c.place.max() for c in others), np.zeros(len(own.lags)))
     best = int(np.argmax(level))
     share = np.exp(level - level.max())
     return Alignment(
@@ -173,10 +178,10 @@ def _likelihood(human: HumanSide, robot: RobotSide, dt: float, lags: Array) -> C
         return None
     steps = [_steps(robot.lifts, n, share) for share in STEP_SHARES] if gait else []
     try:
-        level, explained = likelihood.levels(human.pose[:n], shown, steps, lags)
+        level, place, explained = likelihood.levels(human.pose[:n], shown, steps, lags)
     except ValueError:
         return None
-    return Curve(lags=lags, level=level, explained=explained)
+    return Curve(lags=lags, level=level, place=place, explained=explained)
 
 
 def _scaled(x: Array) -> Array:

@@ -23,7 +23,7 @@ from studio.robot import a1
 
 Array = NDArray[np.float64]
 
-VERSION = 2
+VERSION = 3
 """Of the curves that are kept beside takes."""
 BAND_HZ = (0.25, 6.0)
 """Of places: what is slower than a movement is drift, what is faster is noise."""
@@ -43,8 +43,11 @@ SPEED_WEIGHT = 0.7
 """Share of the speeds' view in the sum."""
 
 
-def levels(pose: Array, shown: Array, steps: list[Array], lags: Array) -> tuple[Array, Array]:
-    """(K,) log likelihood of lags (frames), and (K,) the share of places that is explained.
+def levels(
+    pose: Array, shown: Array, steps: list[Array], lags: Array
+) -> tuple[Array, Array, Array]:
+    """(K,) log likelihood of lags (frames), by both views and by places alone, and (K,) the share
+    of places that is explained.
 
     pose (T, J) m. shown (T, P) of the robot, in spreads. steps: guesses (T, 2) at the steps of
     somebody who walks with it; the best of them counts; [] when nobody walks. Raises ValueError
@@ -71,7 +74,8 @@ def levels(pose: Array, shown: Array, steps: list[Array], lags: Array) -> tuple[
     speed = SPEED_SAMPLES * _by_speed(_speed(pose), guesses[len(guesses) // 2], lags)
     if steps:
         place, speed = _blurred(place), _blurred(speed)
-    return (1.0 - SPEED_WEIGHT) * place + SPEED_WEIGHT * (speed - speed.max()), explained
+    both = (1.0 - SPEED_WEIGHT) * place + SPEED_WEIGHT * (speed - speed.max())
+    return both, place, explained
 
 
 def _canonical(y: Array, rest: Array) -> float:

@@ -97,7 +97,7 @@ def _curve(folder: Path) -> lag.Curve | None:
     values = (
         None
         if own is None
-        else {k: getattr(own, k).tolist() for k in ("lags", "level", "explained")}
+        else {k: getattr(own, k).tolist() for k in ("lags", "level", "place", "explained")}
     )
     with contextlib.suppress(OSError):
         cache.write_bytes(msgspec.json.encode({"key": key, "curve": values}))

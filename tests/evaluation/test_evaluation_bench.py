@@ -7,7 +7,8 @@ import pytest
 from studio.errors import StudioError
 from studio.evaluation import bench_live
 from studio.evaluation.bench import BenchConfig, compare, percentiles, run_bench
-from studio.evaluation.bench_training import physics_rate
+from studio.evaluation.bench_takes import long_take, performed, takes_cost
+from studio.evaluation.bench_training import mapper_growth, physics_rate
 
 
 def test_percentiles_of_a_known_row():
@@ -27,7 +28,7 @@ def test_comparing_gives_the_ratio_of_every_figure_that_both_have():
 
 
 def test_a_short_bench_names_the_machine_and_every_section_and_compares(tmp_path):
-    first = run_bench(BenchConfig(seconds=1.0, page=False, training=False))
+    first = run_bench(BenchConfig(seconds=1.0, page=False, training=False, takes=False))
     assert first["machine"]["cores"] >= 1
     assert {"features", "selector", "mapper", "consistency", "controller", "inference"} <= set(
         first["sections_ms"]
@@ -35,7 +36,9 @@ def test_a_short_bench_names_the_machine_and_every_section_and_compares(tmp_path
     assert first["drive"]["times_real_time_cpu"] > 1.0
     path = tmp_path / "before.json"
     path.write_text(json.dumps(first))
-    second = run_bench(BenchConfig(seconds=1.0, page=False, training=False, compare=path))
+    second = run_bench(
+        BenchConfig(seconds=1.0, page=False, training=False, takes=False, compare=path)
+    )
     assert second["compared"]["drive.seconds"]["ratio"] == pytest.approx(1.0)
 
 
@@ -63,3 +66,30 @@ def test_the_loop_keeps_ticking_beside_a_browser_that_draws_the_page(monkeypatch
     assert figures["frames"] > 30
     assert 0.0 <= figures["period_error_ms"]["p50"] <= figures["period_error_ms"]["p95"]
     assert figures["period_error_ms"]["p95"] <= figures["period_error_ms"]["p99"]
+
+
+@pytest.mark.slow
+def test_takes_are_listed_and_looked_at():
+    cost = takes_cost(takes=20, minutes=(0.1,))
+    assert cost["list"]["takes"] == 20
+    assert 0.0 < cost["list"]["p50_s"] < cost["list"]["first_s"] + 1.0
+    (look,) = cost["long"]
+    assert look["minutes"] == 0.1
+    assert {"append_us", "review_s", "review_own_mb", "seek_ms_p95", "window_ms_p95"} <= set(look)
+
+
+@pytest.mark.slow
+def test_ten_times_as_long_a_take_is_reviewed_in_the_same_memory_and_scrubbed_as_fast(tmp_path):
+    pattern = performed(10.0)
+    short, long = (long_take(tmp_path, pattern, minutes) for minutes in (1.5, 15.0))
+    assert long["review_own_mb"] < short["review_own_mb"] + 15.0
+    assert long["review_own_mb"] < 60.0
+    assert long["seek_ms_p95"] < 5.0
+    assert long["window_ms_p95"] < 50.0
+
+
+@pytest.mark.slow
+def test_training_grows_no_worse_than_linearly_with_pairs():
+    growth = mapper_growth(sizes=(500, 2_000, 8_000), epochs=5)
+    assert [row["pairs"] for row in growth["rows"]] == [500, 2_000, 8_000]
+    assert growth["exponent"] < 1.25  # 1 is linear; seconds of a busy machine wobble

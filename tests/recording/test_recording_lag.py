@@ -13,7 +13,8 @@ sway or jiggle, sensor noise only (120 takes): 87 %, with motion capture 95 %.
 
 95 % by one take is out of reach with these people: who knows their very motion, free of sway and
 noise, and needs only to slide it along, is within a frame in 91 % (sit and tilt 0.5, where slow
-small motion drowns in sway). The takes of a session together are.
+small motion drowns in sway). The takes of a session together reach it (60 sessions of takes of
+8 s, by places): four 93 %, six 98 %, eight 100 %.
 """
 
 from dataclasses import replace
