@@ -67,6 +67,7 @@ def run_pairs(
     `train_seconds` and all of them, the networks in `steps` gradient steps a state (see
     `pair_methods`); "expert" alone is the shipped one. All are scored on the family "held_out".
     """
+    made_by = commit()
     shipped = load_experts(style)
     known = {s: make_pairs(s, train_seconds, seed, style) for s in states}
     held = {
@@ -89,7 +90,7 @@ def run_pairs(
                 "seed": seed,
                 "episodes": len(clips),
                 "frames": len(held[state]),
-                "commit": commit(),
+                "commit": made_by,
                 **score(state, clips, [by_foot_height(m) if by_height else m for m in mapped]),
             }
         )

@@ -57,9 +57,9 @@ def table(rows: Sequence[dict[str, Any]]) -> str:
     """Markdown: a line per state and case, mean over seeds, ± half the spread of the joints'."""
     seeds = sorted({row["seed"] for row in rows})
     commits = ", ".join(sorted({str(row["commit"]) for row in rows}))
-    said = f"Seeds {', '.join(map(str, seeds))}; commit {commits}; mean over seeds, for the joints"
+    said = f"Seeds {', '.join(map(str, seeds))}; commit {commits}"
     lines = [
-        f"{said} ± half the range.",
+        f"{said}; mean over seeds, joints ± half the range." if len(seeds) > 1 else f"{said}.",
         "",
         "| state | method | pairs | " + " | ".join(name for name, _, _ in COLUMNS.values()) + " |",
         "|" + "---|" * (3 + len(COLUMNS)),
@@ -69,7 +69,8 @@ def table(rows: Sequence[dict[str, Any]]) -> str:
         cells = []
         for key, (_, unit, digits) in COLUMNS.items():
             values = unit * np.array([row[key] for row in those])
-            spread = f" ± {np.ptp(values) / 2:.1f}" if key == "joint_rmse_deg" else ""
+            several = key == "joint_rmse_deg" and len(values) > 1
+            spread = f" ± {np.ptp(values) / 2:.1f}" if several else ""
             cells.append(f"{values.mean():.{digits}f}{spread}")
         pairs = f"{round(np.mean([row['pairs'] for row in those])):,}"
         lines.append(f"| {state} | {_method(case)} | {pairs} | {' | '.join(cells)} |")
