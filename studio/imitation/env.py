@@ -42,6 +42,7 @@ class EnvConfig:
     anchor_tau, anchor_yaw_tau: s, leak of the re-anchored root's place and heading. leg_contact:
     calves and thighs touch the floor, None for where the bank needs it. push: m/s, largest kick, at
     full randomisation, and push_every its mean interval in s. noise_scale: of reference noise.
+    init_first: share of the episodes that begin with a motion's first frame.
     init_heading (rad), init_place (m): how far off its way a robot may begin, so that a policy that
     holds them learns to steer: its own errors are small and seldom.
     evaluation: motions in order from their first frame, no kicks, and nobody begins anew: whatever
@@ -61,6 +62,7 @@ class EnvConfig:
     push: float = 0.4
     push_every: float = 4.0
     init_joint_noise: float = 0.03
+    init_first: float = 0.0
     init_heading: float = 0.0
     init_place: float = 0.0
     evaluation: bool = False
@@ -285,8 +287,10 @@ class ImitationEnv:
     def _draw_frames(self, n: int) -> NDArray[np.intp]:
         if self.config.evaluation:
             return np.zeros(n, dtype=np.intp)
-        # Reference-state initialisation: anywhere but the last second.
-        return self.rng.integers(0, self.bank.frames - 31, n)
+        # Reference-state initialisation: anywhere but the last second. Some begin at the beginning:
+        # a crossing between states is a motion's first two seconds, and seldom met otherwise.
+        first = self.rng.random(n) < self.config.init_first
+        return np.where(first, 0, self.rng.integers(0, self.bank.frames - 31, n))
 
     def _push(self) -> None:
         scale = self.curriculum.stage.randomisation * self.config.push

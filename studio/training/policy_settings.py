@@ -177,6 +177,7 @@ def make_environment(
         noise=noise,
         anchor_tau=recipe.anchor_tau,
         anchor_yaw_tau=recipe.anchor_yaw_tau,
+        init_first=0.3 if config.crossings else 0.0,
         init_heading=0.3 if observation.heading_gain else 0.0,
         init_place=0.2 if observation.place_gain else 0.0,
         push=config.push,
