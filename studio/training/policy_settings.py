@@ -17,6 +17,7 @@ from studio.imitation.observation import FutureKind, ObservationConfig
 from studio.imitation.reward import RewardConfig
 from studio.reference.intent import STATES, StateName
 from studio.training.ppo import PAPER, PpoConfig
+from studio.training.retargeted import with_people
 
 Preset = Literal["default", "paper"]
 PolicyName = Literal["stand", "walk", "sit", "all"]
@@ -68,7 +69,8 @@ class PolicyTraining:
     publish: write the weights to models/policy/STATE.safetensors too (always the run's folder).
     curriculum, randomise, yaw_rate, action, future: what the ablations switch; future: give the
     policy its reference 0.1, 0.2 and 0.3 s ahead, foreseen or true. crossings: motions out of each
-    other state a difficulty, 0 for none. gate, patience: see Curriculum. push: m/s, the largest
+    other state a difficulty, 0 for none. people: whose walking, as the mapper retargets it, joins
+    the library's for the walking expert. gate, patience: see Curriculum. push: m/s, the largest
     kick (EnvConfig). recipe: of the state, None for its own (the paper's preset has no teacher).
     warmup: iterations in which only the critic learns, so that PPO does not spoil what was taught.
     """
@@ -90,6 +92,7 @@ class PolicyTraining:
     action: ActionMode = "residual"
     future: FutureKind | None = None
     crossings: int = 24
+    people: int = 12
     motions_per_task: int = 40
     gate: float = 0.75
     patience: int = 800
@@ -145,6 +148,8 @@ def make_bank(config: PolicyTraining, cache: Path | None = BANKS) -> MotionBank:
         )
         for state in states
     ]
+    if config.state == "walk":
+        return with_people(banks[0], config.people, config.seed)
     return banks[0] if len(banks) == 1 else merged(banks, config.level)
 
 

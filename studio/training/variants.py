@@ -57,6 +57,7 @@ def settings_of(variant: Variant) -> PolicyTraining:
         threads=variant.threads,
         run=Path("runs/ablation") / stem(variant.state, variant.name),
         crossings=0,
+        people=0,
         recipe=PLAIN,
         distil=TAUGHT[variant.state],
     )
