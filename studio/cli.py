@@ -148,6 +148,7 @@ def _train_mapper(argv: Sequence[str]) -> Answer:
 def _train_policy(argv: Sequence[str]) -> Answer:
     from studio.training.policy import PolicyTraining, run_train_policy
 
+    logging.getLogger("studio.training.policy").setLevel(logging.INFO)  # its progress
     return run_train_policy(tyro.cli(PolicyTraining, prog="a1-studio train policy", args=argv))
 
 
