@@ -42,7 +42,8 @@ class EnvConfig:
     anchor_tau, anchor_yaw_tau: s, leak of the re-anchored root's place and heading. leg_contact:
     calves and thighs touch the floor, None for where the bank needs it. push: m/s, largest kick, at
     full randomisation, and push_every its mean interval in s. noise_scale: of reference noise.
-    init_first: share of the episodes that begin with a motion's first frame.
+    init_first: share of the episodes that begin with a motion's first frame. init_speed (m/s),
+    init_spin (rad/s): of half of the trunks at the start, on top of the reference's.
     init_heading (rad), init_place (m): how far off its way a robot may begin, so that a policy that
     holds them learns to steer: its own errors are small and seldom.
     evaluation: motions in order from their first frame, no kicks, and nobody begins anew: whatever
@@ -63,6 +64,8 @@ class EnvConfig:
     push_every: float = 4.0
     init_joint_noise: float = 0.03
     init_first: float = 0.0
+    init_speed: float = 0.0
+    init_spin: float = 0.0
     init_heading: float = 0.0
     init_place: float = 0.0
     evaluation: bool = False
@@ -240,6 +243,8 @@ class ImitationEnv:
         qvel = np.concatenate(
             [bank.lin_vel_w[m, f], bank.ang_vel_b[m, f], bank.joint_vel[m, f]], axis=1
         )
+        if not self.config.evaluation:
+            qvel[:, :6] += self._unrest(n)
         self.world.reset(ids, qpos, qvel, bank.joint_pos[m, f])
         self._reset_lowpass(ids, bank.joint_pos[m, f])
         self.frame[ids] = f + 1
@@ -258,6 +263,14 @@ class ImitationEnv:
         self.history.reset(ids, self._sensors()[ids], self._noisy[ids], contact)
         if not self.config.evaluation:
             self._lead_astray(ids)
+
+    def _unrest(self, n: int) -> Array:
+        """(n, 6) m/s and rad/s: what some trunks still have of a motion that went before."""
+        moving = (self.rng.random((n, 1)) < 0.5) * self.curriculum.stage.randomisation
+        out = np.zeros((n, 6))
+        out[:, :2] = self.config.init_speed * self.rng.uniform(-1.0, 1.0, (n, 2))
+        out[:, 3:5] = self.config.init_spin * self.rng.uniform(-1.0, 1.0, (n, 2))
+        return moving * out
 
     def _lead_astray(self, ids: NDArray[np.intp]) -> None:
         """The anchor to one side of the robot, and the robot's own errors with it."""

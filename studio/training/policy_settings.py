@@ -183,6 +183,8 @@ def make_environment(
         anchor_tau=recipe.anchor_tau,
         anchor_yaw_tau=recipe.anchor_yaw_tau,
         init_first=0.3 if config.crossings else 0.0,
+        init_speed=0.6 if config.crossings else 0.0,
+        init_spin=1.0 if config.crossings else 0.0,
         init_heading=0.3 if observation.heading_gain else 0.0,
         init_place=0.2 if observation.place_gain else 0.0,
         push=config.push,
