@@ -50,5 +50,6 @@ class Runner:
             asked = complex(p[16], p[17]) * dt * np.exp(1j * self.heading)
             self.place = keep * (self.place * np.exp(-1j * turn) + asked - complex(*moved))
             self.place *= min(1.0, hold["place_clip"] / max(abs(self.place), 1e-9))
-            p[16:18] += hold["place_gain"] * np.array([self.place.real, self.place.imag])
+            gain = hold["place_gain"] * min(1.0, np.hypot(p[16], p[17]) / hold["makes_up_from"])
+            p[16:18] += gain * np.array([self.place.real, self.place.imag])
         return p

@@ -35,6 +35,8 @@ HEADING_CLIP = 0.35
 """rad; a larger error (a robot turned by hand, a fall) is not made up for."""
 PLACE_CLIP = 0.25
 """m, likewise."""
+MAKES_UP_FROM = 0.02
+"""m/s asked for from which missed way is made up for in full; less at less."""
 FutureKind = Literal["predicted", "true"]
 
 
@@ -197,6 +199,8 @@ class History:
         e ← (1 − Δt/τ) (e + (ψ̄' − ω_z) Δt),                     |e| ≤ HEADING_CLIP
         d ← (1 − Δt/τ) (R(−ω_z Δt) d + R(e) v̄ Δt − odometry),    ‖d‖ ≤ PLACE_CLIP
 
+    Below MAKES_UP_FROM d counts in proportion to the speed asked for.
+
     foresee: (N, MEMORY, 18) past references, newest last → (N, 18 · len(future)), where the
     configuration asks for a predicted future.
     """
@@ -259,7 +263,10 @@ class History:
             error = keep * (odometry.turned(self.place_error, -turn) + asked - gone)
             size = np.hypot(error[:, 0], error[:, 1])[:, None]
             self.place_error = error * (PLACE_CLIP / np.maximum(size, PLACE_CLIP))
-            self._past[:, -1, VELOCITY] += config.place_gain * self.place_error
+            # Nobody who is told to stop still runs after what was missed.
+            going = np.hypot(*reference[:, VELOCITY].T) / MAKES_UP_FROM
+            gain = config.place_gain * np.minimum(going, 1.0)[:, None]
+            self._past[:, -1, VELOCITY] += gain * self.place_error
 
     def push_action(self, action: Array) -> None:
         """The action (N, 12) decided on the present observation."""

@@ -20,7 +20,7 @@ from scipy.signal import butter
 
 from studio.errors import StudioError
 from studio.imitation.action import ACTION_CLIP
-from studio.imitation.observation import HEADING_CLIP, PLACE_CLIP
+from studio.imitation.observation import HEADING_CLIP, MAKES_UP_FROM, PLACE_CLIP
 from studio.imitation.policy import Policy, Symmetric
 from studio.imitation.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
 from studio.robot import a1
@@ -84,6 +84,7 @@ def export_onnx(name: str | Path, out: Path) -> Path:
             "tau": policy.observation.hold_tau,
             "heading_clip": HEADING_CLIP,
             "place_clip": PLACE_CLIP,
+            "makes_up_from": MAKES_UP_FROM,
         },
         "joint_lower": a1.JOINT_LOWER.tolist(),
         "joint_upper": a1.JOINT_UPPER.tolist(),
