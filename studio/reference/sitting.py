@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from studio import spatial
 from studio.reference import stances
-from studio.reference.contact import smoothstep
 from studio.robot import a1, kinematics
 
 Array = NDArray[np.float64]
@@ -23,8 +22,11 @@ SIDE_HIP = 0.45
 
 _REAR_HIP = np.array([-0.1805, 0.0, 0.0])  # middle of the rear hips, base frame
 _LEAN = -0.14  # m/rad: the hips move back as the trunk bends forward, and the other way round
-# m: with one knee raised, the triangle of the feet and the other knee is wide only in front.
-_ROLL_FORWARD = 0.05
+# m/rad: rolling, the hips move to the side that goes down, 7.5 cm at 7.5 degrees. With one knee
+# raised, feet and the other knee carry the robot; without the shift its centre of mass lies on the
+# diagonal of that triangle, and it tips back onto both knees however well its joints are held (a PD
+# reached 1.9 of 7.5 degrees; shifted forward instead it falls onto its front feet; now 7.4).
+_ROLL_SIDE = 0.57
 _FEET = stances.NEUTRAL_FEET["sit"][2:]
 _HIP_W = (
     stances.NEUTRAL["sit"].base_pos
@@ -43,7 +45,7 @@ def sit_poses(tilt: Array, reach: Array, reach_side: Array) -> tuple[Array, Arra
     up = spatial.quat_rotate(quat, _REAR_HIP)
     hip = np.broadcast_to(_HIP_W, (len(tilt), 3)).copy()
     hip[:, 0] += _LEAN * tilt[:, 1]
-    hip[:, 0] += _ROLL_FORWARD * smoothstep(np.abs(tilt[:, 0]) / np.radians(5.0))
+    hip[:, 1] += _ROLL_SIDE * tilt[:, 0]
     front = arm_joints(np.clip(reach, 0.0, 1.0), np.clip(reach_side, -1.0, 1.0))
     for _ in range(4):  # the knee rises as the hip does, nearly one to one
         joints = _rear_legs(hip - up, quat, front)
