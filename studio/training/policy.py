@@ -70,10 +70,14 @@ class PolicyTrainer:
             figures["joint_rmse_deg"] = float(np.rad2deg(np.sqrt(figures.pop("joint_sq"))))
             on_lesson(figures)
         self.warmup = self.config.warmup
-        with torch.no_grad():
-            # What was taught is close already: explore around it, not past it.
-            cast(Any, self.alg.actor.distribution).log_std_param.fill_(float(np.log(TAUGHT_STD)))
+        # What was taught is close already: explore around it, not past it.
+        self.explore(TAUGHT_STD)
         self.obs = self.env.present()
+
+    def explore(self, std: float) -> None:
+        """Spread the actions by so much, in units of action, from here on."""
+        with torch.no_grad():
+            cast(Any, self.alg.actor.distribution).log_std_param.fill_(float(np.log(std)))
 
     def step(self) -> dict[str, float]:
         """Collect, learn, count; this iteration's figures."""
@@ -234,6 +238,8 @@ def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
     trainer = PolicyTrainer(config, crew=crew)
     if config.resume or config.checkpoint:
         trainer.restore(config.checkpoint or saved)
+        if config.explore:
+            trainer.explore(config.explore)
     writer = SummaryWriter(str(folder)) if crew.first else None
 
     began = last_save = time.monotonic()

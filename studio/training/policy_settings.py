@@ -53,7 +53,7 @@ class Recipe:
 RECIPES: dict[PolicyName, Recipe] = {
     "stand": Recipe(),
     "walk": Recipe(heading_gain=1.0, place_gain=1.0, anchor_tau=3.0, anchor_yaw_tau=5.0),
-    "sit": Recipe(distil=0, root_ori=40.0, anchor_yaw_tau=10.0),
+    "sit": Recipe(distil=0, root_ori=80.0, anchor_yaw_tau=10.0),
     "all": Recipe(),
 }
 
@@ -73,6 +73,8 @@ class PolicyTraining:
     the library's for the walking expert. gate, patience: see Curriculum. push: m/s, the largest
     kick (EnvConfig). recipe: of the state, None for its own (the paper's preset has no teacher).
     warmup: iterations in which only the critic learns, so that PPO does not spoil what was taught.
+    explore: spread of the actions to go on from a checkpoint with, in units of action; None: its
+    own. What is told apart by less than the spread is learnt slowly.
     """
 
     state: PolicyName
@@ -100,6 +102,7 @@ class PolicyTraining:
     distil: int | None = None
     recipe: Recipe | None = None
     warmup: int = 10
+    explore: float | None = None
     checkpoint_seconds: float = 60.0
     ppo: PpoConfig = field(default_factory=PpoConfig)
 
