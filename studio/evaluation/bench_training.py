@@ -21,6 +21,7 @@ from studio.training.collected import TakesTraining, split_pairs, train_state
 from studio.training.mapper import make_pairs
 
 SIZES = (64, 256, 1024, 4096)
+PPO_ENVS = 512
 STATE = "walk"
 PAIRS = (500, 5_000, 50_000)
 EPOCHS = 10
@@ -29,7 +30,8 @@ EPOCHS = 10
 def training_rates(seconds: float, sizes: tuple[int, ...] = SIZES) -> list[dict[str, Any]]:
     """A row per number of environments: control samples a second of physics and environment.
 
-    The last row adds PPO around it (its own process), at 512 environments.
+    The last row adds PPO around it (its own process), at 512 environments, without and with
+    mirrored copies (which are not counted), as shares of the bare physics of as many.
     """
     bank = build_bank(STATE, per_task=4, seed=0)
     rows = []
@@ -43,7 +45,18 @@ def training_rates(seconds: float, sizes: tuple[int, ...] = SIZES) -> list[dict[
                 "environment_share": environment / physics,
             }
         )
-    rows.append({"num_envs": 512, "ppo_per_s": ppo_rate()})
+    physics = physics_rate(PPO_ENVS, seconds)
+    plain, mirrored = ppo_rate(mirror=False), ppo_rate(mirror=True)
+    rows.append(
+        {
+            "num_envs": PPO_ENVS,
+            "physics_per_s": physics,
+            "ppo_per_s": plain,
+            "ppo_share": plain / physics,
+            "ppo_mirrored_per_s": mirrored,
+            "ppo_mirrored_share": mirrored / physics,
+        }
+    )
     return rows
 
 
@@ -89,14 +102,19 @@ def environment_rate(num_envs: int, seconds: float, bank: Any) -> float:
     return _rate(lambda: env.step(action), num_envs, seconds)
 
 
-def ppo_rate() -> float:
-    """Samples a second of `a1-studio train policy`, learning included, without mirrored copies."""
+def ppo_rate(mirror: bool) -> float:
+    """Samples a second of `a1-studio train policy`, learning included; mirror: copies, not counted.
+
+    No teacher's lessons: they cost less than PPO does.
+    """
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.json"
         done = subprocess.run(
             [
                 *(sys.executable, "-m", "studio", "train", "policy", "--state", STATE),
-                *("--samples", "60000", "--num-envs", "512", "--motions-per-task", "4"),
+                *("--samples", "60000", "--num-envs", str(PPO_ENVS), "--motions-per-task", "4"),
+                *("--distil", "0", "--people", "0", "--crossings", "0"),
+                "--ppo.mirror" if mirror else "--ppo.no-mirror",
                 *("--run", str(Path(folder) / "run"), "--json", str(report)),
             ],
             capture_output=True,

@@ -96,6 +96,7 @@ def test_a_collected_take_holds_what_was_shown_and_a_person_who_acts_it_out_late
     assert lag.correlation > 0.6
 
 
+@pytest.mark.slow
 def test_a_take_knows_its_session_operator_and_calibration(loop):
     ask(loop, plan(PlanItem(task="crouch", takes=1, seconds=2.0), preview=False))
     ask(loop, c.SetMode(mode="collect"))
@@ -130,6 +131,7 @@ def test_redo_rejects_a_take_and_records_the_same_motion_again(loop):
     assert kept == {first["take"]: False, second["take"]: True}
 
 
+@pytest.mark.slow
 def test_what_is_shown_does_not_jump_when_the_robot_has_to_hold(loop):
     ask(loop, plan(PlanItem(task="walk", takes=1, seconds=4.0), preview=False))
     ask(loop, c.SetMode(mode="collect"))

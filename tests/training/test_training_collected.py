@@ -21,6 +21,8 @@ from studio.training.collected import TakesTraining, run_train_takes, split_pair
 from studio.training.mapper_net import MapperNet
 from studio.training.take_pairs import read_pairs
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def collected(tmp_path_factory):

@@ -297,6 +297,7 @@ def test_nonsense_on_a_pages_socket_is_answered(studio_live, pages, raw):
     pytest.fail("no answer")
 
 
+@pytest.mark.slow
 def test_held_keys_drive_the_operator_and_the_robot_walks(studio_live, pages):
     (a, first), _ = pages
     post = studio_live.client.post
@@ -317,6 +318,7 @@ def drop(studio_live, name, content):
     return studio_live.client.post("/api/files", params={"name": name}, content=content)
 
 
+@pytest.mark.slow
 def test_a_dropped_recording_becomes_the_source(studio_live, poses):
     lines = "\n".join(json.dumps(frame(pose, k / 30.0)) for k, pose in enumerate(poses))
     answer = drop(studio_live, "../../quiet person.jsonl", lines.encode())
