@@ -68,18 +68,21 @@ class Metronome:
         self._deadline = self._clock.now()
         self.late = 0
         self.error = 0.0
+        self.dropped = 0.0
 
     def wait(self) -> float:
         """Sleep to the next deadline; returns by how much it was missed, s.
 
-        Counts a period as late when its work ended after its deadline.
+        Counts a period as late when its work ended after its deadline, and adds what is dropped,
+        s, to `dropped`.
         """
         self._deadline += self._dt
         behind = self._clock.now() - self._deadline
         if behind > 0.0:
             self.late += 1
             if behind > self._slack * self._dt:
-                self._deadline = self._clock.now()
+                self._deadline += behind
+                self.dropped += behind
         self._clock.sleep_until(self._deadline)
         self.error = self._clock.now() - self._deadline
         return self.error

@@ -154,8 +154,10 @@ class LiveLoop:
 
     def wait(self) -> None:
         """Wait for the next deadline, counting lateness."""
-        late = self._metronome.late
+        late, dropped = self._metronome.late, self._metronome.dropped
         error = self._metronome.wait()
+        if self._metronome.dropped > dropped:
+            self.session.reading.slip(self._metronome.dropped - dropped)
         self._late.append(self._metronome.late > late)
         self.period_error_ms.append(1e3 * abs(error))
 

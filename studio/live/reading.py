@@ -30,6 +30,15 @@ class Reading:
         """s since the source began."""
         return 0.0 if self._from is None else now - self._from
 
+    def slip(self, seconds: float) -> None:
+        """The loop dropped periods: a file or the operator waits for the robot.
+
+        They would else hurry past a robot whose time stood still meanwhile: at 20 periods a second
+        a march becomes a run that nobody meant. A sensor's people do not wait.
+        """
+        if self.source.starts_live and self._from is not None:
+            self._from += seconds
+
     def close(self) -> None:
         """Free the source; what it refused stays counted."""
         self._refused += self.source.rejected

@@ -382,3 +382,22 @@ def test_the_thread_ticks_thirty_times_a_second_and_ends_in_good_order(tmp_path)
     after = loop.ticks.version
     assert loop.submit(c.Arm(), timeout=0.2).ok is False
     assert loop.ticks.version == after
+
+
+@pytest.mark.parametrize(("waits", "played"), [(True, 2.0), (False, 3.0)])
+def test_a_played_person_waits_for_a_robot_that_lost_time_and_a_seen_one_does_not(
+    make, waits, played
+):
+    source = Script()
+    source.starts_live = waits
+    asked = []
+    read = source.read
+    source.read = lambda t: asked.append(t) or read(t)
+    loop = make(source)
+    for _ in range(60):
+        loop.tick()
+        loop.clock.advance(1.5 * DT)  # a computer that does 20 periods a second
+        loop.wait()
+    # 60 periods of the robot are 2 s, of the clock 3 s; up to 3 periods may still be caught up.
+    assert asked[-1] == pytest.approx(played, abs=6 * DT)
+    assert max(np.diff(asked)) < (2.6 if waits else 5) * DT
