@@ -12,6 +12,7 @@ import threading
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 from urllib.error import URLError
@@ -84,20 +85,25 @@ def served() -> Iterator[Served]:
 
 
 def live(seconds: float) -> dict[str, Any]:
-    """A server and four socket clients: when it was ready, how it keeps time."""
+    """A server and four pages' sockets: when it was ready, how it keeps time, what that costs.
+
+    cpu_share: cores used by the whole server while the clients listen; cpu_share_alone: before.
+    """
     with served() as server:
-        counts = _listen(server.port, seconds)
+        alone = _cpu_share(server.pid, 3.0)
+        counts, views, usage = _listen(server.port, server.pid, seconds)
         state = server.state()
-        usage = _cpu_share(server.pid, 3.0)
     return {
         "url_printed_s": server.printed,
         "page_ready_s": server.ready,
         "clients": CLIENTS,
         "updates_per_second": [count / seconds for count in counts],
+        "view_updates_per_second": [count / seconds for count in views],
         "period_error_ms": state["period_error_ms"],
         "late": state["counters"]["late"],
         "frames": state["counters"]["frames"],
         "cpu_share": usage,
+        "cpu_share_alone": alone,
     }
 
 
@@ -153,26 +159,38 @@ def _frame_rate(profile: Path, seconds: float) -> float:
                 return float(said["result"]["result"]["value"])
 
 
-def _listen(port: int, seconds: float) -> list[int]:
-    """Ticks that each of four clients received over `seconds`."""
+def _listen(port: int, pid: int, seconds: float) -> tuple[list[int], list[int], float | None]:
+    """Ticks and messages of the 3-D view that each of four pages' sockets received over `seconds`,
+    and the cores that the server used meanwhile."""
     from websockets.sync.client import connect
 
-    counts = [0] * CLIENTS
+    counts, views = [0] * CLIENTS, [0] * CLIENTS
+    end = time.perf_counter() + seconds
 
-    def client(i: int) -> None:
-        headers = {"Authorization": f"Bearer {TOKEN}"}
-        with connect(f"ws://127.0.0.1:{port}/api/ticks", additional_headers=headers) as ws:
-            end = time.perf_counter() + seconds
+    def client(path: str, i: int, received: list[int], protocols: list[Any]) -> None:
+        with connect(
+            f"ws://127.0.0.1:{port}{path}",
+            additional_headers={"Authorization": f"Bearer {TOKEN}"},
+            subprotocols=protocols or None,
+            max_size=None,
+            proxy=None,
+        ) as ws:
             while time.perf_counter() < end:
                 ws.recv(timeout=5.0)
-                counts[i] += 1
+                received[i] += 1
 
-    threads = [threading.Thread(target=client, args=(i,)) for i in range(CLIENTS)]
+    viser = f"viser-v{version('viser')}"
+    threads = [
+        threading.Thread(target=client, args=(*path, i, received, protocols))
+        for i in range(CLIENTS)
+        for *path, received, protocols in (("/api/ticks", counts, []), ("/view", views, [viser]))
+    ]
     for thread in threads:
         thread.start()
+    usage = _cpu_share(pid, max(0.5, seconds - 1.0))
     for thread in threads:
         thread.join()
-    return counts
+    return counts, views, usage
 
 
 def _cpu_share(pid: int, seconds: float) -> float | None:

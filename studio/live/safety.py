@@ -119,11 +119,17 @@ class Safety:
         directive, damping, why = self._decide(s)
         return Orders(directive=directive, damping=damping, ramp=ramp, mode=s.mode, why=why)
 
+    @property
+    def stop_line(self) -> str:
+        """Why the robot is stopped and what would free it, "" if it is not."""
+        if not self.stopped:
+            return ""
+        then = "reset, then arm" if self.needs_reset else "the robot is up, arm to go on"
+        return f"stopped: {self.reason}; {then}"
+
     def _decide(self, s: Situation) -> tuple[Directive, bool, str]:
-        if self.stopped and self.needs_reset:
-            return Directive.STAND, True, f"stopped: {self.reason}; reset, then arm"
         if self.stopped:
-            return Directive.STAND, False, f"stopped: {self.reason}; the robot is up, arm to go on"
+            return Directive.STAND, self.needs_reset, self.stop_line
         if s.mode == "idle":
             why = "idle: " + ("choose live to follow" if self.armed else "arm to follow the person")
             return Directive.REST, False, why

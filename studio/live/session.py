@@ -70,7 +70,7 @@ class Session:
         if self.mode == "replay" and self.replay is not None:
             tick = self.replay.step()
             self._replayed += tick.human_fresh
-            return replace(tick, counters=self.counters())
+            return replace(tick, counters=self.counters(), why=self.safety.stop_line or tick.why)
         shown, collecting = self._collect()
         human = self.reading.read(now)
         orders = self.safety.orders(

@@ -51,6 +51,14 @@ def test_physics_is_counted_over_all_environments():
     assert physics_rate(16, 0.2) > 16.0
 
 
+@pytest.mark.slow
+def test_four_pages_get_thirty_updates_a_second_on_both_sockets():
+    done = bench_live.live(3.0)
+    for rate in (*done["updates_per_second"], *done["view_updates_per_second"]):
+        assert 24.0 < rate < 36.0
+    assert 0.0 < done["cpu_share_alone"] < done["cpu_share"] + 0.1
+
+
 def test_without_a_browser_the_loop_beside_one_is_skipped_and_says_so(monkeypatch):
     monkeypatch.setattr(bench_live.shutil, "which", lambda _: None)
     assert "install chromium" in bench_live.loop_beside_browser(1.0)["skipped"]

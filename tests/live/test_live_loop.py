@@ -401,3 +401,18 @@ def test_a_played_person_waits_for_a_robot_that_lost_time_and_a_seen_one_does_no
     # 60 periods of the robot are 2 s, of the clock 3 s; up to 3 periods may still be caught up.
     assert asked[-1] == pytest.approx(played, abs=6 * DT)
     assert max(np.diff(asked)) < (2.6 if waits else 5) * DT
+
+
+def test_a_stop_in_replay_says_what_frees_it_until_the_robot_is_armed(make):
+    loop = make()
+    ask(loop, c.StartTake(label="x"))
+    run(loop, 0.5)
+    ask(loop, c.StopTake())
+    assert ask(loop, c.SetMode(mode="replay")).state["mode"] == "replay"
+    said = []
+    for command in (c.Stop(by="test"), c.Reset(), c.Arm()):
+        said.append(ask(loop, command).state)
+    assert [s["mode"] for s in said] == ["replay"] * 3
+    assert "reset, then arm" in said[0]["why"]
+    assert "arm to go on" in said[1]["why"]
+    assert "stopped" not in said[2]["why"]

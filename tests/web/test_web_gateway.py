@@ -76,6 +76,28 @@ def test_what_cannot_be_done_gets_409_and_says_what_can(studio_live, path, body,
     assert says in answer.json()["why"]
 
 
+@pytest.mark.parametrize(
+    ("path", "body", "key", "value"),
+    [
+        ("/api/gain", {"name": "tilt_gain", "value": 1.5}, ("gains", "tilt_gain"), 1.5),
+        ("/api/mirror", {"mirror": True}, ("mirror",), True),
+        ("/api/mirror", {"mirror": False}, ("mirror",), False),
+        ("/api/controller", {"controller": "pd_playback"}, ("controller",), "pd_playback"),
+        ("/api/controller", {"controller": "policy"}, ("controller",), "policy"),
+        ("/api/disarm", None, ("armed",), False),
+        ("/api/arm", None, ("armed",), True),
+        ("/api/calibrate", None, ("stopped",), False),
+    ],
+)
+def test_what_a_panel_sets_is_in_the_state_that_answers(studio_live, path, body, key, value):
+    answer = studio_live.client.post(path, json=body)
+    assert answer.status_code == 200, answer.text
+    found = answer.json()
+    for name in key:
+        found = found[name]
+    assert found == value
+
+
 @pytest.mark.parametrize("path", ["/api/mode", "/api/state"])
 @pytest.mark.parametrize(
     "body", [b"", b"{", b"[]", b'{"%s": 3}', b'{"mood": "live"}', b"\xff\xfe", b'{"%s": null}']

@@ -36,7 +36,8 @@ const actions = {
   R: () => attempt(() => post("/api/reset")),
   Enter: () => attempt(() => post("/api/arm")),
   T: () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"),
-  "?": () => $("#shortcuts").showModal(),
+  // Not modal: the stop button must stay within reach.
+  "?": () => $("#shortcuts").show(),
   ...collectKeys, ...reviewKeys,
   1: () => look("front"), 2: () => look("side"), 3: () => look("behind"), 4: () => look("top"),
 };
