@@ -1,7 +1,8 @@
 """Takes to data set versions: pairs as one Parquet file, named by what they were made from.
 
-A version is the hash of the tapes, the edits that matter and the code that makes pairs; the same
-takes give the same version, wherever and whenever. Versions are never changed: `manifest.json`
+A version is the hash of the tapes, the edits that matter (with the lag as it was taken out, which
+a session's other takes may have told) and the code that makes pairs; the same takes of the same
+session give the same version, wherever and whenever. Versions are never changed: `manifest.json`
 holds a hash of the contents, checked on loading.
 
     sessions/datasets/VERSION/pairs.parquet, manifest.json
@@ -9,7 +10,7 @@ holds a hash of the contents, checked on loading.
 
 import hashlib
 import shutil
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
@@ -26,10 +27,10 @@ from studio import __version__, spatial
 from studio.errors import StudioError, unknown_name
 from studio.human import calibration, canonical, features, filters, posture
 from studio.recording import alignment, columns, edited, lag, likelihood, pairs, synchrony
-from studio.recording.edits import read_edits
+from studio.recording.edits import Edits
 from studio.recording.library import SessionLibrary
 from studio.recording.names import check_name
-from studio.recording.pairs import SHAPES, Pairs, take_pairs
+from studio.recording.pairs import SHAPES, Pairs, settled, take_pairs
 from studio.recording.recorder import TAPE
 from studio.reference import contact
 from studio.reference.intent import STATES
@@ -85,17 +86,18 @@ def build(
         if not names:
             raise StudioError("no take is kept yet: keep some, or name those to use")
     names = sorted(set(names))
+    known = {name: settled(library, name) for name in names}
     made_from = {
         "format_version": FORMAT_VERSION,
         "code": code_version(),
         "states": states,
         "style": style,
-        "takes": [_take_key(library, name) for name in names],
+        "takes": [_take_key(library, name, edits) for name, (edits, _) in known.items()],
     }
     version = hashlib.sha256(msgspec.json.encode(made_from, order="deterministic")).hexdigest()[:16]
     folder = library.root / DATASETS / version
     if not (folder / MANIFEST).exists():
-        _write(library, folder, made_from, version)
+        _write(library, folder, made_from, version, known)
     return load(library.root, version)
 
 
@@ -141,9 +143,8 @@ def code_version() -> str:
     return digest.hexdigest()[:16]
 
 
-def _take_key(library: SessionLibrary, name: str) -> dict[str, Any]:
-    folder = library.folder(name)
-    edits = asdict(read_edits(folder).edits)
+def _take_key(library: SessionLibrary, name: str, known: Edits) -> dict[str, Any]:
+    folder, edits = library.folder(name), asdict(known)
     try:
         with (folder / TAPE).open("rb") as file:
             tape = hashlib.file_digest(file, "sha256").hexdigest()
@@ -152,7 +153,13 @@ def _take_key(library: SessionLibrary, name: str) -> dict[str, Any]:
     return {"name": name, "tape": tape, "edits": {key: edits[key] for key in _EDITS}}
 
 
-def _write(library: SessionLibrary, folder: Path, made_from: dict[str, Any], version: str) -> None:
+def _write(
+    library: SessionLibrary,
+    folder: Path,
+    made_from: dict[str, Any],
+    version: str,
+    known: Mapping[str, tuple[Edits, str]],
+) -> None:
     """Take by take, so that memory holds one; a temporary folder, renamed when it is whole."""
     temporary = folder.with_name(f".{version}.tmp")
     shutil.rmtree(temporary, ignore_errors=True)
@@ -161,7 +168,7 @@ def _write(library: SessionLibrary, folder: Path, made_from: dict[str, Any], ver
         temporary.mkdir(parents=True)
         with pq.ParquetWriter(temporary / TABLE, schema(), compression="zstd") as writer:
             for number, take in enumerate(made_from["takes"]):
-                found = take_pairs(library, take["name"])
+                found = take_pairs(library, take["name"], known[take["name"]])
                 use = np.isin(found.state, [STATES.index(s) for s in made_from["states"]])
                 if use.any():
                     writer.write_table(table_of(found, number, use))

@@ -54,7 +54,8 @@ class Pairs:
     joint_pos rad; base_quat wxyz and the linear rates in the state's frame (walk: the heading;
     stand and sit: the way the robot faced at rest), angular rates in the body; base_pos m, world;
     contact in [0, 1]. tick: (N,) which tick of the take. state: (N,) index into STATES.
-    lag: s that was taken out, and `aligned` where it came from: "edit", "proposed" or "none".
+    lag: s that was taken out, and `aligned` where it came from: "edit", "proposed" (by the take and
+    its session) or "none".
     """
 
     take: str
@@ -69,14 +70,16 @@ class Pairs:
         return len(self.tick)
 
 
-def take_pairs(library: SessionLibrary, name: str) -> Pairs:
+def take_pairs(
+    library: SessionLibrary, name: str, known: tuple[Edits, str] | None = None
+) -> Pairs:
     """The pairs of a take; none when no person was seen, or it was rejected or cut away.
 
-    Raises StudioError for an unknown take or one that cannot be read.
+    known: what `settled` said of it, where it was asked before. Raises StudioError for an unknown
+    take or one that cannot be read.
     """
-    folder = library.folder(name)
-    table, edits, meta = columns(folder), read_edits(folder).edits, _meta(library, name)
-    edits, aligned = settled(table, edits)
+    table, meta = columns(library.folder(name)), _meta(library, name)
+    edits, aligned = settled(library, name) if known is None else known
     keep = edited.kept(len(table), edits) & (edits.keep is not False)
     at = edited.human_rows(np.arange(len(table)), edits)
     keep &= (at >= 0.0) & (at <= len(table) - 1)  # beyond the tape nobody is there to learn from
@@ -111,11 +114,17 @@ def _meta(library: SessionLibrary, name: str) -> dict[str, Any]:
         return {}  # a tape whose meta.json was lost still teaches
 
 
-def settled(table: Columns, edits: Edits) -> tuple[Edits, str]:
-    """The edits with a lag: decided, or proposed and certain; and which."""
+def settled(library: SessionLibrary, name: str) -> tuple[Edits, str]:
+    """A take's edits with a lag: decided, or proposed by it and its session and certain; and which.
+
+    Raises StudioError as `take_pairs`.
+    """
+    folder = library.folder(name)
+    edits = read_edits(folder).edits
     if edits.lag is not None:
         return edits, "edit"
-    _, proposed = synchrony.align(table, edits)
+    others = synchrony.session_curves(library, name)
+    _, proposed = synchrony.align(columns(folder), edits, others)
     if proposed is None or proposed.certainty < CERTAIN:
         return edits, "none"
     return replace(edits, lag=round(proposed.lag, 4)), "proposed"

@@ -26,11 +26,12 @@ import pytest
 from acted_takes import DT, MOVING, acted_take, record
 
 from studio.mocap.performer import Person
-from studio.recording import edited, lag, synchrony
+from studio.recording import datasets, edited, lag, pairs, synchrony
 from studio.recording.library import SessionLibrary
 from studio.recording.sessions import SessionBook
 
 SENSORS = ("mocap", "kinect", "webcam")
+LATE = 0.45
 
 
 def sides(acted):
@@ -55,12 +56,12 @@ def test_the_lag_of_a_session_of_six_takes_is_found_within_a_frame_in_95_percent
     errors, alone, sure = [], [], []
     for seed in range(24):
         acted = list(session(seed, 6))
-        pairs = [sides(take) for take in acted]
-        curves = [lag.curve(*pair, DT) for pair in pairs]
+        both = [sides(take) for take in acted]
+        curves = [lag.curve(*pair, DT) for pair in both]
         whole = [c for c in curves if c is not None]
-        found = lag.align(*pairs[0], DT, [c for c in whole if c is not curves[0]])
+        found = lag.align(*both[0], DT, [c for c in whole if c is not curves[0]])
         errors.append(abs(found.lag - acted[0].lag))
-        for take, pair in zip(acted, pairs, strict=True):
+        for take, pair in zip(acted, both, strict=True):
             one = lag.align(*pair, DT)
             alone.append(abs(one.lag - take.lag) <= DT)
             sure.append(one.certainty)
@@ -113,23 +114,47 @@ def test_a_lag_found_in_any_heading_and_place_is_the_same():
     assert again.lag == pytest.approx(lag.align(human, robot, DT).lag, abs=1e-6)
 
 
-def test_other_takes_of_the_session_settle_what_one_cannot(tmp_path: Path):
+@pytest.fixture
+def library(tmp_path: Path) -> SessionLibrary:
+    """Three takes of a session, t0 to t2, all kept, LATE s late."""
     rng = np.random.default_rng(8)
     person = Person.sample(rng, sensor="kinect")
-    book, late = SessionBook(tmp_path), 0.45
+    book = SessionBook(tmp_path)
     for i, task in enumerate(("sit_tilt", "manipulate_left", "manipulate_right")):
-        acted = acted_take(task, rng, person=person, lag=late, fidgets=False, seconds=6.0)
-        record(acted, tmp_path, f"t{i}", session=book.add("me", f"t{i}").name)
-    library = SessionLibrary(tmp_path)
+        acted = acted_take(task, rng, person=person, lag=LATE, fidgets=False, seconds=6.0)
+        record(acted, tmp_path, f"t{i}", keep=True, session=book.add("me", f"t{i}").name)
+    return SessionLibrary(tmp_path)
+
+
+def test_other_takes_of_the_session_settle_what_one_cannot(library: SessionLibrary):
     curves = synchrony.session_curves(library, "t0")
     assert len(curves) == 2
-    table, edits = edited.open_table(tmp_path, "t0")
+    table, edits = edited.open_table(library.root, "t0")
     alone, together = synchrony.align(table, edits)[1], synchrony.align(table, edits, curves)[1]
     assert alone is not None
     assert together is not None
-    assert together.lag == pytest.approx(late, abs=1.5 * DT)
+    assert together.lag == pytest.approx(LATE, abs=1.5 * DT)
     assert together.certainty > alone.certainty
     # A rejected take has no say.
     library.edit("t1", keep=False)
     assert len(synchrony.session_curves(library, "t0")) == 1
     assert synchrony.session_curves(library, "t2")[0].lags.tolist() == curves[0].lags.tolist()
+
+
+def test_a_kept_take_is_learnt_from_at_the_lag_of_its_session(library: SessionLibrary):
+    table, edits = edited.open_table(library.root, "t0")
+    alone = synchrony.align(table, edits)[1]
+    pooled = synchrony.align(table, edits, synchrony.session_curves(library, "t0"))[1]
+    assert alone is not None
+    assert pooled is not None
+    assert pooled.lag != pytest.approx(alone.lag, abs=1e-3)
+    found = pairs.take_pairs(library, "t0")
+    assert (found.lag, found.aligned) == (round(pooled.lag, 4), "proposed")
+    # What others tell is part of the version: without them it is another.
+    first = datasets.build(library, ["t0"])
+    assert first.manifest["takes"][0]["lag"] == found.lag
+    for other in ("t1", "t2"):
+        library.edit(other, keep=False)
+    second = datasets.build(library, ["t0"])
+    assert second.version != first.version
+    assert second.manifest["takes"][0]["lag"] != found.lag
