@@ -30,7 +30,7 @@ from studio.recording import alignment, columns, edited, lag, likelihood, pairs,
 from studio.recording.edits import Edits
 from studio.recording.library import SessionLibrary
 from studio.recording.names import check_name
-from studio.recording.pairs import SHAPES, Pairs, settled, take_pairs
+from studio.recording.pairs import SHAPES, Pairs, settled, take_pairs, walked_in
 from studio.recording.recorder import TAPE
 from studio.reference import contact
 from studio.reference.intent import STATES
@@ -74,8 +74,8 @@ def build(
 ) -> DataSet:
     """The data set of these takes (without names: of all that were kept), made or found again.
 
-    Raises StudioError for an unknown take or state, one that cannot be read, and when there is no
-    pair in them.
+    style: which human motion means walking. Raises StudioError for an unknown take or state, one
+    that cannot be read, walking in another style, and when there is no pair in them.
     """
     states = sorted(set(states))
     for state in states:
@@ -87,6 +87,8 @@ def build(
             raise StudioError("no take is kept yet: keep some, or name those to use")
     names = sorted(set(names))
     known = {name: settled(library, name) for name in names}
+    if "walk" in states:
+        _same_style(style, {n: walked_in(library, n, edits) for n, (edits, _) in known.items()})
     made_from = {
         "format_version": FORMAT_VERSION,
         "code": code_version(),
@@ -141,6 +143,20 @@ def code_version() -> str:
     for module in _CODE:
         digest.update(Path(str(module.__file__)).read_bytes())
     return digest.hexdigest()[:16]
+
+
+def _same_style(style: str, walked: Mapping[str, str | None]) -> None:
+    """StudioError where somebody walks in another style than `style`."""
+    others = {name: own for name, own in walked.items() if own not in (None, style)}
+    if not others:
+        return
+    first = next(iter(others.values()))
+    names = [name for name, own in others.items() if own == first]
+    some = ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
+    raise StudioError(
+        f"walking is in style {first}, not {style}, in {some}: train with --style {first}, or leave"
+        " these takes out"
+    )
 
 
 def _take_key(library: SessionLibrary, name: str, known: Edits) -> dict[str, Any]:

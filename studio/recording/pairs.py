@@ -130,6 +130,18 @@ def settled(library: SessionLibrary, name: str) -> tuple[Edits, str]:
     return replace(edits, lag=round(proposed.lag, 4)), "proposed"
 
 
+def walked_in(library: SessionLibrary, name: str, edits: Edits) -> str | None:
+    """The style a take walks in, as it says itself; None where it does not say, or nobody walks in
+    what is kept."""
+    about = _meta(library, name).get("about") or {}
+    style = about.get("style")
+    if not style or edits.keep is False:
+        return None
+    table = columns(library.folder(name))
+    walks = (states_of(table, about) == "walk") & edited.kept(len(table), edits)
+    return str(style) if walks.any() else None
+
+
 def states_of(table: Columns, about: Mapping[str, Any]) -> NDArray[np.str_]:
     """(T,) the state of each tick: of what was collected, else of the controller."""
     collected = (about.get("collect") or {}).get("state")

@@ -101,7 +101,8 @@ def run_train_takes(config: TakesTraining) -> dict[str, Any]:
 def _train(config: TakesTraining, say: Say, began: float) -> dict[str, Any]:
     shipped = load_experts(config.style)
     say({"event": "reading", "takes": len(config.takes)})
-    found = read_pairs(config.sessions, config.takes, config.dataset, config.style)
+    walk = "walk" in config.states and not ruled("walk", config.style)
+    found = read_pairs(config.sessions, config.takes, config.dataset, config.style, walk=walk)
     name = check_name(config.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}", "mapper")
     out = Path(config.sessions) / "mappers" / name
     splits: dict[StateName, Split] = {

@@ -33,17 +33,33 @@ class TakePairs:
 
 
 def read_pairs(
-    sessions: Path, takes: Sequence[str], dataset: str | None = None, style: str = "march"
+    sessions: Path,
+    takes: Sequence[str],
+    dataset: str | None = None,
+    style: str = "march",
+    *,
+    walk: bool = True,
 ) -> TakePairs:
-    """The pairs of takes, or of a data set version. StudioError where there is nothing to learn.
+    """The pairs of takes, or of a data set version.
 
-    Takes become a version first, so that what a mapper was trained on can be had again.
+    Takes become a version first, so that what a mapper was trained on can be had again. style:
+    which human motion means walking; walk: whether walking is learnt at all. StudioError where
+    there is nothing to learn, or walking in another style.
     """
     if dataset is not None:
-        return of_data_set(datasets.load(Path(sessions), dataset))
+        data = datasets.load(Path(sessions), dataset)
+        of = data.manifest["style"]
+        if walk and of != style and len(data.of("walk")["tick"]):
+            raise StudioError(
+                f"walking is in style {of}, not {style}, in data set {dataset}: train with"
+                f" --style {of}, or choose another data set"
+            )
+        return of_data_set(data)
     if not takes:
         raise StudioError("choose at least one take to train on (--takes NAME …)")
-    return of_data_set(datasets.build(SessionLibrary(sessions), list(takes), style=style))
+    states = [s for s in STATES if walk or s != "walk"]
+    library = SessionLibrary(sessions)
+    return of_data_set(datasets.build(library, list(takes), states=states, style=style))
 
 
 def of_data_set(data: DataSet) -> TakePairs:

@@ -81,7 +81,13 @@ def acted_take(
 
 
 def record(
-    acted: ActedTake, root: Path, name: str, *, keep: bool | None = None, session: str = ""
+    acted: ActedTake,
+    root: Path,
+    name: str,
+    *,
+    keep: bool | None = None,
+    session: str = "",
+    style: str = "",
 ) -> None:
     """Write it as collecting does: the shown motion is the reference, the robot stands by."""
     recorder = Recorder(root)
@@ -92,7 +98,7 @@ def record(
             "operator": "me",
             "session": session,
         }
-    }
+    } | ({"style": style} if style else {})
     recorder.start(acted.task, name=name, about=about)
     poses = acted.motion.poses()
     for i, pose in enumerate(poses):

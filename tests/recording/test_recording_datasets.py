@@ -19,6 +19,7 @@ from studio.recording import datasets, pairs
 from studio.recording.library import SessionLibrary
 from studio.recording.take import read_take
 from studio.reference.intent import STATES
+from studio.training.take_pairs import read_pairs
 
 DT = 1.0 / 30.0
 
@@ -184,6 +185,27 @@ def test_unknown_takes_states_and_versions_name_the_known(library: SessionLibrar
         datasets.load(library.root, "0123")
     with pytest.raises(StudioError, match="no pair"):
         datasets.build(library, ["walk"], states=["sit"])
+
+
+def test_walking_in_another_style_is_refused_with_what_would_work(library: SessionLibrary):
+    for task in ("tilt", "walk"):
+        acted = acted_take(task, np.random.default_rng(3), seconds=3.0, lag=0.2, sensor="mocap")
+        record(acted, library.root, f"{task}-round", keep=True, style="circles")
+    with pytest.raises(StudioError, match=r"in walk-round: train with --style circles, or leave"):
+        datasets.build(library)
+    # Standing is the same in every style, and a take that does not say may be any.
+    datasets.build(library, ["tilt-round", "walk"])
+    datasets.build(library, states=["stand", "sit"])
+    found = datasets.build(library, ["walk-round"], style="circles")
+    with pytest.raises(StudioError, match="in style circles, not march, in data set"):
+        read_pairs(library.root, (), found.version)
+    assert read_pairs(library.root, (), found.version, "circles").count("walk")
+    assert read_pairs(library.root, (), found.version, walk=False).count("walk")
+    with pytest.raises(StudioError, match="--style circles"):
+        read_pairs(library.root, ("walk-round",))
+    read_pairs(library.root, ("walk-round", "tilt"), walk=False)
+    library.edit("walk-round", keep=False)
+    datasets.build(library, ["walk", "walk-round"])
 
 
 def test_the_folder_of_data_sets_is_no_take(library: SessionLibrary):
