@@ -178,7 +178,12 @@ def _takes(argv: Sequence[str]) -> Answer:
     )
     verified = answer.get("takes", ()) if what == "verify" else ()
     lost = [take["name"] for take in verified if not take["readable"]]
-    return {**answer, "_failed": f"cannot be read: {', '.join(lost)}"} if lost else answer
+    if lost:
+        return {**answer, "_failed": f"cannot be read: {', '.join(lost)}"}
+    if why := answer.get("refused"):
+        each = "; ".join(f"{name}: {reason}" for name, reason in why.items())
+        return {**answer, "_failed": f"not imported: {each}"}
+    return answer
 
 
 def _in_order(function: Callable[..., Any]) -> str:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from typing import get_args
@@ -192,6 +193,26 @@ def test_a_take_is_recorded_exported_into_a_new_folder_and_imported(tmp_path, ca
     folder = str(tmp_path / "sessions" / name)
     status, text, err = run("takes", "import", folder, "--name", "copy", *sessions, capsys=capsys)
     assert (status, json.loads(text), err) == (0, {"takes": ["copy"]}, "")
+
+
+def test_of_a_folder_of_takes_the_good_ones_are_imported_and_the_others_named(tmp_path, capsys):
+    there = tmp_path / "there"
+    drive = ("drive", "--source", "operator:quiet", "--seconds", "0.2", "--record")
+    name = json.loads(run(*drive, "--sessions", str(there), "--json", "-", capsys=capsys)[1])["take"]
+    (there / "a-bad-one").mkdir()
+    (there / "a-bad-one" / "tape.mcap").write_bytes(b"no tape")
+    here = ("--sessions", str(tmp_path / "here"), "--json", "-")
+    status, out, err = run("takes", "import", str(there), *here, capsys=capsys)
+    answer = json.loads(out)
+    assert (status, answer["takes"], set(answer["refused"])) == (1, [name], {"a-bad-one"})
+    assert "tape.mcap is no tape" in answer["refused"]["a-bad-one"]
+    assert "not imported: a-bad-one" in err
+    assert (tmp_path / "here" / name / "tape.mcap").is_file()
+    shutil.rmtree(there / "a-bad-one")
+    status, out, err = run("takes", "import", str(there), *here, capsys=capsys)
+    assert (status, json.loads(out), err) == (0, {"takes": [f"{name}-2"], "refused": {}}, "")
+    status, _, err = run("takes", "import", str(there), "--name", "x", *here, capsys=capsys)
+    assert (status, "leave the name out" in err) == (1, True)
 
 
 def test_verify_tells_a_folder_of_the_users_own_from_a_take_that_is_lost(tmp_path, capsys):

@@ -30,8 +30,8 @@ def import_take(
     """Take in what was recorded elsewhere: takes (a folder of one or of many, a zip) or a motion.
 
     A motion file (.bvh, or human frames as .jsonl) becomes the human side of a take. robot: the
-    take whose robot that person is put beside; without one the robot stands by. From a zip, takes
-    get names that are free, and those refused are named with why.
+    take whose robot that person is put beside; without one the robot stands by. From a zip or a
+    folder of takes, they get names that are free, and those refused are named with why.
     """
     zipped = path.suffix.lower() == ".zip" and path.is_file()
     if path.is_file() and path.name != TAPE and not zipped:

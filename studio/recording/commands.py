@@ -4,9 +4,12 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+from studio.errors import StudioError
 from studio.recording import datasets, edited, review, synchrony
+from studio.recording.adding import add_all
 from studio.recording.exports import export
 from studio.recording.library import SessionLibrary
+from studio.recording.recorder import TAPE
 from studio.reference.intent import STATES
 
 
@@ -147,12 +150,17 @@ def export_take(
 
 
 def import_take(sessions: Path, folder: Path, name: str | None = None) -> dict[str, Any]:
-    """Copy takes from elsewhere: one take's folder, or a folder of takes."""
-    library = SessionLibrary(sessions)
-    if (folder / "tape.mcap").exists():
-        return {"takes": [library.add(folder, name)]}
-    inside = sorted(p.parent for p in folder.glob("*/tape.mcap"))
-    return {"takes": [library.add(path) for path in (inside or [folder])]}
+    """Copy takes from elsewhere: one take's folder, or a folder of takes.
+
+    From a folder of takes, they get names that are free, and those refused are named with why.
+    """
+    inside = sorted(p.parent for p in folder.glob(f"*/{TAPE}"))
+    if (folder / TAPE).exists() or not inside:
+        return {"takes": [SessionLibrary(sessions).add(folder, name)]}
+    if name is not None:
+        raise StudioError("the takes in a folder have names of their own: leave the name out")
+    taken, refused = add_all(sessions, inside)
+    return {"takes": taken, "refused": refused}
 
 
 def dataset_takes(
