@@ -1,10 +1,6 @@
-"""A person who acted late to the lag that makes human and robot agree, and a time warp after it.
+"""A person and a robot to the same channels, and to a time warp on top of the lag (`lag`).
 
-The operator sees the robot move and follows, later by a reaction of 0 to 0.8 s. Both sides are
-reduced to the same channels (trunk tilt, height, hands and paws, which foot is up); the lag is
-where their normalised cross-correlation, summed over channels, peaks. Takes begin and end in quiet
-standing, so that the whole of the signal, not a period of it, decides: a gait that repeats every
-0.7 s would otherwise fit as well one stride later.
+The channels are trunk tilt, height, hands and paws, and which foot is up.
 """
 
 from dataclasses import dataclass
@@ -30,8 +26,7 @@ MIN_LAG_S, MAX_LAG_S = -0.2, 1.0
 class Alignment:
     """lag: s, the person is late by it (> 0). correlation: [-1, 1] at that lag.
 
-    certainty: [0, 1], how far the peak stands over the best rival more than 0.15 s away; 0 when
-    nothing moves.
+    certainty: [0, 1], how likely the person is late by it, within a frame; 0 when nothing moves.
     """
 
     lag: float
@@ -84,47 +79,10 @@ def scaled_robot(channels: Array) -> Array:
     return (channels - np.median(channels, axis=0)) / _ROBOT_SCALE
 
 
-def find_lag(human: Array, robot: Array, dt: float) -> Alignment:
-    """The lag of `human` behind `robot`, both (T, 7) channels on one clock of period dt s.
-
-    Maximises sum_c <h_c(t + lag), r_c(t)> / (|h| |r|) over lags of MIN_LAG_S to MAX_LAG_S and
-    refines the peak by a parabola.
-    """
-    n = min(len(human), len(robot))
-    h, r = scaled_human(human[:n]), scaled_robot(robot[:n])
-    lags = np.arange(round(MIN_LAG_S / dt), round(MAX_LAG_S / dt) + 1)
-    if n <= lags[-1] + 2 or np.linalg.norm(r) < 1e-9 or np.linalg.norm(h) < 1e-9:
-        return Alignment(lag=0.0, correlation=0.0, certainty=0.0)
-    score = np.array([_correlation(h, r, int(k)) for k in lags])
-    best = int(np.argmax(score))
-    rivals = score[np.abs(lags - lags[best]) * dt > 0.15]
-    certainty = (score[best] - rivals.max(initial=-1.0)) / max(score[best], 1e-9)
-    return Alignment(
-        lag=float((lags[best] + _parabola(score, best)) * dt),
-        correlation=float(score[best]),
-        certainty=float(np.clip(certainty * 4.0, 0.0, 1.0)),
-    )
-
-
-def _correlation(h: Array, r: Array, k: int) -> float:
-    """Correlation of h shifted earlier by k frames with r, over the frames both have."""
-    a, b = (h[k:], r[: len(r) - k]) if k >= 0 else (h[:k], r[-k:])
-    return float(np.sum(a * b) / max(np.linalg.norm(a) * np.linalg.norm(b), 1e-9))
-
-
-def _parabola(score: Array, i: int) -> float:
-    """Offset of the vertex through three neighbours, in samples; 0 at an end."""
-    if not 0 < i < len(score) - 1:
-        return 0.0
-    a, b, c = score[i - 1 : i + 2]
-    curvature = a - 2 * b + c
-    return float(np.clip(0.5 * (a - c) / curvature, -0.5, 0.5)) if curvature < -1e-12 else 0.0
-
-
 def time_warp(human: Array, robot: Array, dt: float, *, max_shift_s: float = 0.3) -> Array:
     """Dynamic time warp after the lag is taken out: (T,) s to add to robot time to read the human.
 
-    human, robot: (T, 7) channels already aligned by `find_lag`. The path is monotone, stays within
+    human, robot: (T, 7) channels already in step but for it. The path is monotone, stays within
     max_shift_s of the diagonal (Sakoe-Chiba band) and pays for leaving it, so that a person in
     time is left alone; it is smoothed over 0.5 s, since nobody's tempo jumps.
     """

@@ -70,9 +70,7 @@ class Pairs:
         return len(self.tick)
 
 
-def take_pairs(
-    library: SessionLibrary, name: str, known: tuple[Edits, str] | None = None
-) -> Pairs:
+def take_pairs(library: SessionLibrary, name: str, known: tuple[Edits, str] | None = None) -> Pairs:
     """The pairs of a take; none when no person was seen, or it was rejected or cut away.
 
     known: what `settled` said of it, where it was asked before. Raises StudioError for an unknown

@@ -13,7 +13,7 @@ from studio.live.loop import LiveLoop
 from studio.live.opened import SessionConfig
 from studio.live.session import Session
 from studio.live.shown import PlanItem
-from studio.recording.alignment import find_lag, human_channels, robot_channels
+from studio.recording import lag
 from studio.recording.library import SessionLibrary
 from studio.recording.sessions import SessionBook
 
@@ -87,13 +87,13 @@ def test_a_collected_take_holds_what_was_shown_and_a_person_who_acts_it_out_late
     assert moved > 0.5 * np.ptp(shown, axis=0).max()
     ref = take.arrays.reference
     assert take.human is not None
-    lag = find_lag(
-        human_channels(take.human.joint_pos_w),
-        robot_channels(ref["base_pos"], ref["base_quat"], ref["joint_pos"], ref["foot_contact"]),
+    found = lag.align(
+        lag.human_side(take.human.joint_pos_w),
+        lag.robot_side(*(ref[k] for k in ("base_pos", "base_quat", "joint_pos", "foot_contact"))),
         DT,
     )
-    assert lag.lag == pytest.approx(person.delay_s, abs=2.5 * DT)
-    assert lag.correlation > 0.6
+    assert found.lag == pytest.approx(person.delay_s, abs=2.5 * DT)
+    assert found.correlation > 0.6
 
 
 @pytest.mark.slow
