@@ -198,9 +198,8 @@ def test_a_take_is_recorded_exported_into_a_new_folder_and_imported(tmp_path, ca
 def test_of_a_folder_of_takes_the_good_ones_are_imported_and_the_others_named(tmp_path, capsys):
     there = tmp_path / "there"
     drive = ("drive", "--source", "operator:quiet", "--seconds", "0.2", "--record")
-    name = json.loads(run(*drive, "--sessions", str(there), "--json", "-", capsys=capsys)[1])[
-        "take"
-    ]
+    recorded = run(*drive, "--sessions", str(there), "--json", "-", capsys=capsys)
+    name = json.loads(recorded[1])["take"]
     (there / "a-bad-one").mkdir()
     (there / "a-bad-one" / "tape.mcap").write_bytes(b"no tape")
     here = ("--sessions", str(tmp_path / "here"), "--json", "-")

@@ -2,8 +2,8 @@
 
 A version is the hash of the tapes, the edits that matter (with the lag as it was taken out, which
 a session's other takes may have told) and the code that makes pairs; the same takes of the same
-session give the same version, wherever and whenever. Versions are never changed: `manifest.json`
-holds a hash of the contents, checked on loading.
+session give the same version, wherever and whenever. Versions are never changed: that the manifest
+gives its version, and the table the hash of the contents in it, is checked on loading.
 
     sessions/datasets/VERSION/pairs.parquet, manifest.json
 """
@@ -25,23 +25,38 @@ from numpy.typing import NDArray
 
 from studio import __version__, spatial
 from studio.errors import StudioError, unknown_name
-from studio.human import calibration, canonical, features, filters, posture
-from studio.recording import alignment, columns, edited, lag, likelihood, pairs, synchrony
+from studio.human import calibration, canonical, features, filters, posture, skeleton
+from studio.recording import (
+    alignment,
+    codec,
+    columns,
+    edited,
+    lag,
+    likelihood,
+    pairs,
+    synchrony,
+    take,
+    tape,
+)
 from studio.recording.edits import Edits
 from studio.recording.library import SessionLibrary
 from studio.recording.names import check_name
 from studio.recording.pairs import SHAPES, Pairs, settled, take_pairs, walked_in
 from studio.recording.recorder import TAPE
-from studio.reference import contact
+from studio.reference import contact, motion, stances
 from studio.reference.intent import STATES
+from studio.robot import a1, kinematics, legs, single
 
 DATASETS, TABLE, MANIFEST = "datasets", "pairs.parquet", "manifest.json"
 FORMAT_VERSION = 1
 _CODE: tuple[ModuleType, ...] = (
-    alignment, calibration, canonical, columns, contact, edited, features, filters, lag, likelihood,
-    pairs, posture, spatial, synchrony,
+    a1, alignment, calibration, canonical, codec, columns, contact, edited, features, filters,
+    kinematics, lag, legs, likelihood, motion, pairs, posture, single, skeleton, spatial, stances,
+    synchrony, take, tape,
 )  # fmt: skip
 _EDITS = ("trim", "cuts", "lag", "warp", "keep", "label")
+_TAKE = ("name", "tape", "edits")
+_MADE_FROM = ("format_version", "code", "states", "style")
 _NAMES = ("take", "state", "tick")
 
 
@@ -96,7 +111,7 @@ def build(
         "style": style,
         "takes": [_take_key(library, name, edits) for name, (edits, _) in known.items()],
     }
-    version = hashlib.sha256(msgspec.json.encode(made_from, order="deterministic")).hexdigest()[:16]
+    version = _version(made_from)
     folder = library.root / DATASETS / version
     if not (folder / MANIFEST).exists():
         _write(library, folder, made_from, version, known)
@@ -117,9 +132,14 @@ def load(root: Path, version: str) -> DataSet:
                 f"data set {version} has format {manifest['format_version']}, this studio reads"
                 f" {FORMAT_VERSION}: {again}"
             )
+        made_from = {key: manifest[key] for key in _MADE_FROM} | {
+            "takes": [{key: row[key] for key in _TAKE} for row in manifest["takes"]]
+        }
         arrays = read_table(folder / TABLE)
     except (OSError, KeyError, TypeError, ValueError, msgspec.MsgspecError, pa.ArrowException) as e:
         raise StudioError(f"data set {version} cannot be read ({e}): {again}") from e
+    if _version(made_from) != version:
+        raise StudioError(f"the manifest of data set {version} was changed: {again}")
     if content_hash(arrays) != manifest.get("content"):
         raise StudioError(f"data set {version} is not what its manifest says: {again}")
     return DataSet(version=version, manifest=manifest, arrays=arrays)
@@ -143,6 +163,10 @@ def code_version() -> str:
     for module in _CODE:
         digest.update(Path(str(module.__file__)).read_bytes())
     return digest.hexdigest()[:16]
+
+
+def _version(made_from: Mapping[str, Any]) -> str:
+    return hashlib.sha256(msgspec.json.encode(made_from, order="deterministic")).hexdigest()[:16]
 
 
 def _same_style(style: str, walked: Mapping[str, str | None]) -> None:

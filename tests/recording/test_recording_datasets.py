@@ -168,6 +168,27 @@ def test_a_version_that_was_changed_is_refused(library: SessionLibrary):
         datasets.load(library.root, found.version)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda m: m.update(style="circles"),
+        lambda m: m["takes"][0].update(name="tilt"),
+        lambda m: m["takes"][0]["edits"].update(lag=0.7),
+        lambda m: m.update(states=["walk"]),
+    ],
+)
+def test_a_manifest_that_was_edited_is_refused(library: SessionLibrary, change):
+    found = datasets.build(library, ["walk"])
+    file = library.root / "datasets" / found.version / "manifest.json"
+    manifest = json.loads(file.read_text())
+    file.write_text(json.dumps(manifest))
+    assert datasets.load(library.root, found.version).manifest == manifest
+    change(manifest)
+    file.write_text(json.dumps(manifest))
+    with pytest.raises(StudioError, match="was changed: delete its folder and build it again"):
+        datasets.load(library.root, found.version)
+
+
 def test_a_version_of_another_format_says_what_to_do(library: SessionLibrary):
     found = datasets.build(library, ["walk"])
     file = library.root / "datasets" / found.version / "manifest.json"
