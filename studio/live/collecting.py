@@ -112,8 +112,8 @@ class Collector:
             self._own = False
             if self.recorder.recording is not None:
                 self.take = self.recorder.stop()["name"]
-            else:  # the disk gave out; what was recorded is kept
-                self.why = "the recording was cut short: is the disk full?"
+            else:  # what was recorded is kept
+                self.why = self.recorder.problem or "the recording was cut short"
         elif step.event == "abort" and self._own:
             self._throw_away()
         if step.event == "" and step.phase in ("ready", "done") and self.take is not None:

@@ -108,6 +108,11 @@ class Session:
         self.reading.use(opened.source, now, played)
         self.puppeteer.forget_person(opened.calibration)
 
+    @property
+    def recording_error(self) -> str | None:
+        """Why the last take ended early or was not indexed; None when nothing is wrong."""
+        return self.recorder.problem
+
     def walk_in(self, style: str) -> None:
         """Walking means `style` to whoever is watched next, and to the built-in operator now."""
         self.config = replace(self.config, puppeteer=replace(self.config.puppeteer, style=style))

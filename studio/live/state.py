@@ -59,6 +59,7 @@ def state_dict(session: "Session", tick: Tick, period_error_ms: deque[float]) ->
         "recording": None
         if session.recorder.recording is None
         else {"name": session.recorder.recording, "ticks": session.recorded},
+        "recording_error": session.recording_error,
         "replay": None
         if session.mode != "replay" or replay is None
         else {

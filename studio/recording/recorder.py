@@ -39,11 +39,12 @@ class Recorder:
 
     A row costs some tens of microseconds; waiting for the disk (fsync, the compressed rewrite
     after `stop`) happens on other threads. Every failure raises StudioError, ends the take and
-    keeps what was recorded.
+    keeps what was recorded; `problem` says so until the next take begins.
     """
 
     def __init__(self, root: Path) -> None:
         self.root = Path(root)
+        self.problem: str | None = None
         self._file: _RawFile | None = None
         self._writer: TapeWriter | None = None
         self._lock: int | None = None
@@ -98,6 +99,7 @@ class Recorder:
                 f"cannot record into {self.root}: {error.strerror}; choose a folder that can be"
                 " written (--sessions DIR)"
             ) from error
+        self.problem = None
         self._count = self._human_count = 0
         self._states = {}
         self._stop_sync = threading.Event()
@@ -140,9 +142,8 @@ class Recorder:
             self._file.cut(whole)
             name, reason = self.recording, error.strerror or str(error)
             self._abandon()
-            raise StudioError(
-                f"recording stopped: {reason}; take {name} keeps its first {n} ticks"
-            ) from error
+            self.problem = f"recording stopped: {reason}; take {name} keeps its first {n} ticks"
+            raise StudioError(self.problem) from error
         self._count += 1
         self._states[tick.state] = self._states.get(tick.state, 0) + 1
 
@@ -160,7 +161,7 @@ class Recorder:
             "state_seconds": {k: v / a1.CONTROL_HZ for k, v in self._states.items()},
         }
         finisher = threading.Thread(
-            target=_finish, args=(writer, file, self.root / meta["name"], meta), name="finish take"
+            target=self._finish, args=(writer, file, meta), name="finish take"
         )
         self._finishers = [t for t in self._finishers if t.is_alive()] + [finisher]
         finisher.start()
@@ -204,6 +205,19 @@ class Recorder:
                 if not unique:
                     raise StudioError(f"a take named {name} exists: choose another name") from None
         raise StudioError(f"there are too many takes named {name}: choose another label")
+
+    def _finish(self, writer: TapeWriter, file: "_RawFile", meta: dict[str, Any]) -> None:
+        folder = self.root / meta["name"]
+        try:
+            writer.finish()
+            write_meta(folder, meta)
+            rewrite_chunked(folder / TAPE, codec.SCHEMAS)
+            write_meta(folder, meta | {"complete": True})
+        except OSError as error:
+            self.problem = f"take {folder.name} is kept, but not indexed: {error.strerror}"
+            log.error("%s", self.problem)
+        finally:
+            file.close()
 
     def _abandon(self) -> None:
         self._stop_sync.set()
@@ -259,18 +273,6 @@ def _sync_forever(handle: int, stop: threading.Event) -> None:
         log.warning("the take could not be forced to disk: %s", error.strerror)
     finally:
         os.close(handle)
-
-
-def _finish(writer: TapeWriter, file: _RawFile, folder: Path, meta: dict[str, Any]) -> None:
-    try:
-        writer.finish()
-        write_meta(folder, meta)
-        rewrite_chunked(folder / TAPE, codec.SCHEMAS)
-        write_meta(folder, meta | {"complete": True})
-    except OSError as error:
-        log.error("take %s is kept, but not indexed: %s", folder.name, error.strerror)
-    finally:
-        file.close()
 
 
 def write_meta(folder: Path, meta: dict[str, Any]) -> None:

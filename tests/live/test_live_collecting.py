@@ -1,6 +1,8 @@
 """Mode collect in the live loop on a fake clock: what is shown, acted out, recorded and judged."""
 
+import errno
 import json
+import os
 import threading
 
 import numpy as np
@@ -16,6 +18,7 @@ from studio.live.shown import PlanItem
 from studio.recording import lag
 from studio.recording.library import SessionLibrary
 from studio.recording.sessions import SessionBook
+from studio.recording.tape import TapeWriter
 
 DT = 1.0 / 30.0
 
@@ -94,6 +97,25 @@ def test_a_collected_take_holds_what_was_shown_and_a_person_who_acts_it_out_late
     )
     assert found.lag == pytest.approx(person.delay_s, abs=2.5 * DT)
     assert found.correlation > 0.6
+
+
+def test_a_full_disk_is_told_when_the_motion_is_over_and_what_was_acted_is_kept(loop, monkeypatch):
+    def full(*_):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    ask(loop, plan(PlanItem(task="crouch", takes=1, seconds=2.0), preview=False))
+    ask(loop, c.SetMode(mode="collect"))
+    ask(loop, c.CollectAction(action="go"))
+    until(loop, "record")
+    run(loop, 1.0)
+    with monkeypatch.context() as patch:
+        patch.setattr(TapeWriter, "write", full)
+        until(loop, "review")
+    collect = loop.state_dict()["collect"]
+    assert "No space left" in collect["why"]
+    assert loop.state_dict()["recording_error"] == collect["why"]
+    loop.session.close()
+    assert len(SessionLibrary(loop.config.sessions).read(collect["take"])) >= 30
 
 
 @pytest.mark.slow

@@ -1,5 +1,7 @@
 """The live loop on a fake clock, with the real flow: modes, commands, safety, hostile frames."""
 
+import errno
+import os
 import threading
 from dataclasses import replace
 
@@ -14,6 +16,8 @@ from studio.live.opened import OpenedSource, SessionConfig, open_for
 from studio.live.session import Session
 from studio.mocap import SourceEnded
 from studio.mocap.operator import OperatorSource
+from studio.recording.take import read_take
+from studio.recording.tape import TapeWriter
 from studio.robot import a1
 
 DT = 1.0 / 30.0
@@ -354,6 +358,47 @@ def test_what_was_recorded_can_be_replayed_paused_and_left(make):
     assert len({tick.index for tick in paused}) == 1
     assert paused[-1].why.startswith("replay")
     assert ask(loop, c.SetMode(mode="live")).state["mode"] == "live"
+    loop.session.close()
+
+
+def full(*_):
+    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+
+def test_a_full_disk_ends_the_take_keeps_it_and_the_state_says_why(make, monkeypatch):
+    loop = make()
+    name = ask(loop, c.StartTake(label="wave")).data["name"]
+    run(loop, 1.0)
+    before = loop.state_dict()
+    assert before["recording_error"] is None
+    with monkeypatch.context() as patch:
+        patch.setattr(TapeWriter, "write", full)
+        ticks = run(loop, 0.5)
+    state = loop.state_dict()
+    assert len(ticks) == 15
+    assert not state["stopped"]
+    assert state["recording"] is None
+    assert "No space left" in state["recording_error"]
+    kept = before["recording"]["ticks"]
+    assert f"take {name} keeps its first {kept} ticks" in state["recording_error"]
+    assert len(read_take(loop.config.sessions / name)) == kept >= 30
+    again = ask(loop, c.StartTake(label="again"))
+    assert again.ok
+    assert again.state["recording_error"] is None
+    loop.session.close()
+
+
+def test_a_take_that_cannot_be_indexed_is_kept_and_the_state_says_why(make, monkeypatch):
+    loop = make()
+    name = ask(loop, c.StartTake(label="wave")).data["name"]
+    run(loop, 0.5)
+    with monkeypatch.context() as patch:
+        patch.setattr(TapeWriter, "finish", full)
+        ticks = ask(loop, c.StopTake()).data["ticks"]
+        loop.session.recorder.wait()
+    run(loop, DT)
+    assert loop.state_dict()["recording_error"].startswith(f"take {name} is kept, but not indexed")
+    assert len(read_take(loop.config.sessions / name)) == ticks
     loop.session.close()
 
 

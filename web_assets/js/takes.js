@@ -1,10 +1,10 @@
 // Recording, and the list of takes.
 
-import { $, attempt, el, text, toast } from "./ui.js";
+import { $, attempt, capital, el, text, toast } from "./ui.js";
 import { call, get, post } from "./net.js";
 import { openReview } from "./review.js";
 
-let recording = null;
+let recording = null, trouble = null;
 
 export function startTakes(app) {
   $("#record").addEventListener("click", () => attempt(async () => {
@@ -74,4 +74,9 @@ export function drawTakes(state) {
   $("#chip-rec").hidden = !now;
   if (now) text($("#chip-rec b"), `${((now.ticks ?? 0) / 30).toFixed(0)} s`);
   text($("#record-now"), now ? now.name : "");
+  const error = state.recording_error ?? null;
+  if (error && error !== trouble) toast(capital(error));
+  trouble = error;
+  text($("#record-error"), capital(error ?? ""));
+  $("#record-error").hidden = !error;
 }
