@@ -163,6 +163,61 @@ def test_faults_are_suggested_where_they_are(library: SessionLibrary):
         assert [s.kind for s in again].count("frozen") >= 1
 
 
+@pytest.fixture
+def flawed(tmp_path: Path, acted) -> SessionLibrary:
+    """A take with two frozen stretches, a second each."""
+    pos = acted.human_pos.copy()
+    pos[60:90], pos[150:180] = pos[60], pos[150]
+    record(replace(acted, human_pos=pos), tmp_path, "one")
+    return SessionLibrary(tmp_path)
+
+
+def frozen(library: SessionLibrary):
+    return [s for s in review.review(library, "one").suggestions if s.kind == "frozen"]
+
+
+def test_one_suggestion_that_is_accepted_is_cut_out_and_undone(flawed: SessionLibrary):
+    found = review.review(flawed, "one")
+    which = next(i for i, s in enumerate(found.suggestions) if s.kind == "frozen")
+    edits = review.accept_suggestions(flawed, "one", [which])
+    assert edits.cuts == (pytest.approx((2.0, 89 * DT), abs=1e-6),)
+    assert flawed.info("one").undoable == 1
+    left = review.review(flawed, "one")
+    assert left.kept_seconds == pytest.approx(found.kept_seconds - 1.0, abs=1.5 * DT)
+    assert len(left.suggestions) == len(found.suggestions) - 1
+    assert [s.start for s in frozen(flawed)] == [pytest.approx(5.0, abs=DT)]
+    flawed.undo("one")
+    assert read_edits(flawed.folder("one")).edits.cuts is None
+    assert review.review(flawed, "one").suggestions == found.suggestions
+
+
+def test_all_suggestions_are_accepted_on_top_of_what_was_cut(flawed: SessionLibrary):
+    flawed.edit("one", cuts=[[0.5, 1.0]])
+    edits = review.accept_suggestions(flawed, "one")
+    assert edits.cuts is not None
+    assert edits.cuts[0] == (0.5, 1.0)
+    assert review.review(flawed, "one").suggestions == ()
+    with pytest.raises(StudioError, match="nothing to cut"):
+        review.accept_suggestions(flawed, "one")
+
+
+def test_cleaning_by_command_cuts_the_same(flawed: SessionLibrary):
+    told = commands.clean_take(flawed.root, "one")
+    cuts = read_edits(flawed.folder("one")).edits.cuts
+    assert cuts
+    assert told["cuts"] == cuts
+    assert frozen(flawed) == []
+
+
+def test_a_suggestion_that_is_not_there_is_refused_and_nothing_is_cut(flawed: SessionLibrary):
+    for which in ([99], [0, -1]):
+        with pytest.raises(StudioError, match="there is no suggestion"):
+            review.accept_suggestions(flawed, "one", which)
+    with pytest.raises(StudioError, match="nothing to cut"):
+        review.accept_suggestions(flawed, "one", [])
+    assert flawed.info("one").undoable == 0
+
+
 def test_what_is_cut_or_trimmed_counts_no_more(library: SessionLibrary):
     edits = Edits(trim=(1.0, 5.0), cuts=((2.0, 3.0),))
     keep = edited.kept(240, edits)

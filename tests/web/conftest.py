@@ -3,6 +3,7 @@
 import threading
 import time
 from dataclasses import dataclass
+from pathlib import Path
 
 import httpx
 import pytest
@@ -19,6 +20,7 @@ class Running:
 
     port: int
     client: httpx.Client
+    sessions: Path
 
     @property
     def base(self) -> str:
@@ -69,7 +71,7 @@ def studio_at(tmp_path_factory):
         with httpx.Client(
             base_url=f"http://127.0.0.1:{port}", headers=headers, timeout=15.0, trust_env=False
         ) as client:
-            running = Running(port=port, client=client)
+            running = Running(port=port, client=client, sessions=config.sessions)
             deadline = time.monotonic() + 30.0
             while time.monotonic() < deadline:
                 try:

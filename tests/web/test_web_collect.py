@@ -1,8 +1,14 @@
 """Collecting, reviewing and training over HTTP, against a real server."""
 
 import time
+from dataclasses import replace
 
+import numpy as np
 import pytest
+from acted_takes import acted_take, record
+
+from studio.recording.adding import add_take
+from studio.recording.edits import read_edits
 
 QUICK = {"task": "tilt", "takes": 1, "seconds": 2.0}
 
@@ -66,6 +72,33 @@ def test_a_take_is_collected_reviewed_trimmed_aligned_and_split(collecting):
     tasks = {row["task"] for row in client.get("/api/collect/tasks").json()}
     assert data["proposals"]
     assert {row["task"] for row in data["proposals"]} <= tasks  # each can be added by one click
+
+
+def test_one_flaw_is_cut_out_of_a_take_and_undo_takes_it_back(studio_live, tmp_path):
+    acted = acted_take("tilt", np.random.default_rng(4), lag=0.3, fidgets=False, sensor="mocap")
+    pos = acted.human_pos.copy()
+    pos[60:90], pos[150:180] = pos[60], pos[150]
+    record(replace(acted, human_pos=pos), tmp_path, "flawed")
+    name = add_take(studio_live.sessions, tmp_path / "flawed")
+    client, path = studio_live.client, f"/api/takes/{name}"
+    found = client.get(f"{path}/review").json()["suggestions"]
+    which = [i for i, s in enumerate(found) if s["kind"] == "frozen"]
+    assert len(which) == 2
+    done = client.post(f"{path}/clean", json={"which": which[1:]}).json()
+    assert done["undoable"] == 1
+    folder = studio_live.sessions / name
+    assert read_edits(folder).edits.cuts == (pytest.approx((5.0, 179 / 30.0), abs=1e-3),)
+    left = client.get(f"{path}/review").json()["suggestions"]
+    assert [s["message"] for s in left] == [s["message"] for s in found[: which[1]]]
+    assert client.post(f"{path}/undo").json()["undoable"] == 0
+    assert read_edits(folder).edits.cuts is None
+    assert client.get(f"{path}/review").json()["suggestions"] == found
+
+    assert client.post(f"{path}/clean").status_code == 200
+    assert client.get(f"{path}/review").json()["suggestions"] == []
+    refused = client.post(f"{path}/clean", json={"which": [0]})
+    assert refused.status_code == 422
+    assert "there is no suggestion 0" in refused.json()["why"]
 
 
 def test_what_does_not_fit_is_refused_with_what_would_work(collecting):

@@ -3,6 +3,7 @@
 import json
 import shutil
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -134,6 +135,24 @@ def test_folders_zips_and_motions_become_takes_that_can_be_reviewed(page, served
     click(page, '#collected li[data-name="outside"] button')
     until(page, "() => document.querySelector('#align-accept')?.offsetParent")
     until(page, "() => a1studio.state.replay?.name === 'outside'")
+    click(page, "#bench-close")
+
+
+def test_one_flaw_is_cut_out_by_its_button_and_undone(page, served, tmp_path):
+    acted = acted_take("tilt", np.random.default_rng(4), lag=0.3, fidgets=False, sensor="mocap")
+    pos = acted.human_pos.copy()
+    pos[60:90], pos[150:180] = pos[60], pos[150]
+    record(replace(acted, human_pos=pos), tmp_path, "flawed")
+    page.set_input_files("#import-dir", str(tmp_path))
+    assert settled(page, 1)[0][1] == "import done"
+    click(page, '#collected li[data-name="flawed"] button')
+    until(page, "() => document.querySelectorAll('#bench-found .one').length > 1")
+    count = page.locator("#bench-found .one").count()
+    click(page, "#bench-found .one")
+    until(page, f"() => document.querySelectorAll('#bench-found button').length < {count + 1}")
+    assert takes(served)["flawed"]["undoable"] == 1
+    click(page, "#bench-undo")
+    until(page, f"() => document.querySelectorAll('#bench-found .one').length === {count}")
     click(page, "#bench-close")
 
 

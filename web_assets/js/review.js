@@ -6,6 +6,7 @@ import { Timeline } from "./timeline.js";
 
 const EXPORTS = [["npz", "NPZ: both sides"], ["csv", "CSV: both sides"], ["bvh", "BVH: the person"], ["jsonl", "JSON lines: the person"],
   ["pairs", "Pairs as Parquet"], ["hdf5", "HDF5"], ["lerobot", "LeRobot data set"], ["html", "Replay as a web page"]];
+const FLAWS = 40; // with a button of their own; the next come up as these are cut out
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 let app = null, name = null, info = null, found = null, before = null, timeline = null, came = "live", aligned = true;
 
@@ -138,9 +139,13 @@ function draw() {
   $("#bench-redo").disabled = !info.redoable;
   drawAlign();
   const list = found.suggestions;
+  const clean = (body) => attempt(async () => { await post(take("/clean"), body); await reload(); });
   $("#bench-found").replaceChildren(...(list.length ? [
-    el("button", { title: list.map((s) => `${s.start.toFixed(2)} s: ${s.message}`).join("\n"), onclick: () => attempt(async () => { await post(take("/clean"), {}); await reload(); }) },
-      `Cut out ${list.length} flaw${list.length > 1 ? "s" : ""}`)] : []));
+    el("button", { title: list.map((s) => `${s.start.toFixed(2)} s: ${s.message}`).join("\n"), onclick: () => clean({}) },
+      `Cut out ${list.length} flaw${list.length > 1 ? "s" : ""}`),
+    ...(list.length > 1 ? list.slice(0, FLAWS) : []).map((s, i) =>
+      el("button", { class: "one", title: `Cut out this one only: ${s.message}`, "aria-label": `Cut out at ${s.start.toFixed(2)} s: ${s.message}`, onclick: () => clean({ which: [i] }) },
+        `${s.start.toFixed(1)} s`))] : []));
 }
 
 function drawAlign() {
