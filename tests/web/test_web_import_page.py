@@ -138,6 +138,20 @@ def test_folders_zips_and_motions_become_takes_that_can_be_reviewed(page, served
     click(page, "#bench-close")
 
 
+def test_takes_are_found_by_words_and_stay_ticked_out_of_sight(page, served):
+    until(page, "() => document.querySelectorAll('#collected li[data-name]').length === 5")
+    ticked = page.inner_text("#train-takes")
+    page.fill("#collected-find", "manipulate left TWO")
+    assert page.evaluate(
+        "() => [...document.querySelectorAll('#collected li')].map((li) => li.dataset.name)"
+    ) == ["two"]
+    assert page.inner_text("#collected-shown") == "Showing 1 of 1 found among 5"
+    assert page.inner_text("#train-takes") == ticked
+    page.fill("#collected-find", "")
+    assert page.locator("#collected li").count() == 5
+    assert page.inner_text("#collected-shown") == ""
+
+
 def test_one_flaw_is_cut_out_by_its_button_and_undone(page, served, tmp_path):
     acted = acted_take("tilt", np.random.default_rng(4), lag=0.3, fidgets=False, sensor="mocap")
     pos = acted.human_pos.copy()

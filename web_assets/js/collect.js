@@ -1,6 +1,6 @@
 // Mode collect: plan what to act out, be counted in, act it out, keep it or do it again.
 
-import { $, attempt, capital, el, press, text, toast } from "./ui.js";
+import { $, attempt, capital, el, press, search, text, toast } from "./ui.js";
 import { call, get, post } from "./net.js";
 import { Metronome } from "./metronome.js";
 import { importZone } from "./imports.js";
@@ -20,7 +20,9 @@ const BUTTONS = [
   { action: "abort", key: "M", title: "Abort", phases: ["preview", "countdown", "record"] },
 ];
 const metronome = new Metronome();
+const ROWS = 80;
 const plan = new Map();
+const ticks = new Map(); // name: whether to train on it, where that was said since the verdict
 let tasks = [], takes = [], last = {}, app = null;
 
 export const collecting = () => app?.state?.mode === "collect";
@@ -55,7 +57,9 @@ export function startCollect(studio) {
           el("input", { type: "checkbox", id: "collect-sound", role: "switch", checked: true }), el("span", {}, "Ticks"))),
       el("input", { type: "text", id: "collect-notes", maxlength: 4000, placeholder: "Notes on this session (optional)", "aria-label": "Notes on this session" }),
       el("button", { class: "wide main", id: "collect-begin" }, "Begin")),
-    card("library", "Takes", importZone(), el("ul", { class: "takes tall", id: "collected" }),
+    card("library", "Takes", importZone(),
+      el("input", { type: "text", id: "collected-find", placeholder: "Find a take by name, label or note", "aria-label": "Find a take", oninput: list }),
+      el("p", { class: "note", id: "collected-shown", role: "status" }), el("ul", { class: "takes tall", id: "collected" }),
       el("p", { class: "note", id: "collect-sessions" })),
     card("map", "What is covered", el("div", { id: "map-next", class: "proposals" }), el("div", { id: "map-states", class: "map" })),
     card("train", "Train a mapper of your own", el("div", { id: "train-body" })),
@@ -125,19 +129,7 @@ async function begin() {
 
 export async function refresh() {
   try { takes = await get("/api/takes"); } catch { return; }
-  const list = $("#collected");
-  const rows = [...takes].reverse().slice(0, 80).map((take) => {
-    const score = take.score == null ? null : Math.round(100 * take.score);
-    const badge = take.kept === true ? "kept" : take.kept === false ? "rejected" : "new";
-    return el("li", { class: badge, "data-name": take.name },
-      el("input", { type: "checkbox", "aria-label": `Train on ${take.name}`, title: "Train on it", checked: take.kept === true,
-        onchange: () => pickTakes(picked()) }),
-      el("div", { class: "name", title: take.name }, el("b", {}, (take.label || take.name).replaceAll("_", " ")),
-        el("span", {}, `${(take.trim ? take.trim[1] - take.trim[0] : take.seconds).toFixed(1)} s${take.lag ? ` · lag ${take.lag.toFixed(2)} s` : ""}${take.recovered ? " · recovered" : ""}`)),
-      score == null ? el("em", {}, badge === "rejected" ? "redone" : "") : el("em", { class: "score", style: `--s:${score}`, title: "Quality" }, String(score)),
-      el("button", { title: "Scrub, trim, align, judge", onclick: () => openReview(take.name) }, "Review"));
-  });
-  list.replaceChildren(...(rows.length ? rows : [el("li", { class: "empty" }, "Nothing yet. What you act out appears here.")]));
+  list();
   text($("#library-now"), takes.length ? `${takes.filter((t) => t.kept).length} kept of ${takes.length}` : "");
   pickTakes(picked());
   try {
@@ -146,7 +138,31 @@ export async function refresh() {
   } catch { /* no sessions yet */ }
 }
 
-const picked = () => [...document.querySelectorAll("#collected li")].filter((li) => $("input", li)?.checked).map((li) => li.dataset.name);
+function list() {
+  const { rows: shown, line } = search(takes, $("#collected-find").value, ROWS);
+  $("#collected-find").hidden = !takes.length;
+  text($("#collected-shown"), line);
+  $("#collected-shown").hidden = !line;
+  const rows = shown.map((take) => {
+    const score = take.score == null ? null : Math.round(100 * take.score);
+    const badge = take.kept === true ? "kept" : take.kept === false ? "rejected" : "new";
+    return el("li", { class: badge, "data-name": take.name },
+      el("input", { type: "checkbox", "aria-label": `Train on ${take.name}`, title: "Train on it", checked: ticked(take),
+        onchange: (e) => { ticks.set(take.name, { kept: take.kept, on: e.target.checked }); pickTakes(picked()); } }),
+      el("div", { class: "name", title: take.name }, el("b", {}, (take.label || take.name).replaceAll("_", " ")),
+        el("span", {}, `${(take.trim ? take.trim[1] - take.trim[0] : take.seconds).toFixed(1)} s${take.lag ? ` · lag ${take.lag.toFixed(2)} s` : ""}${take.recovered ? " · recovered" : ""}`)),
+      score == null ? el("em", {}, badge === "rejected" ? "redone" : "") : el("em", { class: "score", style: `--s:${score}`, title: "Quality" }, String(score)),
+      el("button", { title: "Scrub, trim, align, judge", onclick: () => openReview(take.name) }, "Review"));
+  });
+  $("#collected").replaceChildren(...(takes.length ? rows : [el("li", { class: "empty" }, "Nothing yet. What you act out appears here.")]));
+}
+
+// Whether or not a row of the list shows it: kept, unless its box was ticked or cleared since.
+function ticked(take) {
+  const said = ticks.get(take.name);
+  return said && said.kept === take.kept ? said.on : take.kept === true;
+}
+const picked = () => [...takes].reverse().filter(ticked).map((take) => take.name);
 
 async function refreshMap() {
   if (!collecting() && !reviewing()) return;

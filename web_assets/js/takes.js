@@ -1,10 +1,11 @@
 // Recording, and the list of takes.
 
-import { $, attempt, capital, el, text, toast } from "./ui.js";
+import { $, attempt, capital, el, search, text, toast } from "./ui.js";
 import { call, get, post } from "./net.js";
 import { openReview } from "./review.js";
 
-let recording = null, trouble = null;
+const ROWS = 60;
+let recording = null, trouble = null, takes = [];
 
 export function startTakes(app) {
   $("#record").addEventListener("click", () => attempt(async () => {
@@ -20,6 +21,7 @@ export function startTakes(app) {
   $("#replay-play").addEventListener("click", () => seek({ playing: !app.state.replay?.playing }));
   $("#replay-at").addEventListener("input", (event) => seek({ t: +event.target.value, playing: false }));
   $("#replay-speed").addEventListener("change", (event) => seek({ speed: +event.target.value }));
+  $("#takes-find").addEventListener("input", list);
   refresh();
 }
 
@@ -30,17 +32,23 @@ async function replay(name) {
 }
 
 async function refresh() {
-  let takes;
   try {
     const data = await get("/api/takes");
-    takes = Array.isArray(data) ? data : data.takes;
+    takes = (Array.isArray(data) ? data : data.takes) ?? [];
   } catch { return; }
-  const list = $("#takes");
-  if (!takes?.length) {
-    list.replaceChildren(el("li", { class: "empty" }, "No takes yet. Recording keeps you and the robot together."));
+  list();
+}
+
+function list() {
+  const { rows, line } = search(takes, $("#takes-find").value, ROWS);
+  $("#takes-find").hidden = !takes.length;
+  text($("#takes-shown"), line);
+  $("#takes-shown").hidden = !line;
+  if (!takes.length) {
+    $("#takes").replaceChildren(el("li", { class: "empty" }, "No takes yet. Recording keeps you and the robot together."));
     return;
   }
-  list.replaceChildren(...[...takes].reverse().slice(0, 60).map((take) => el("li", {},
+  $("#takes").replaceChildren(...rows.map((take) => el("li", {},
     el("div", { class: "name", title: take.name }, el("b", {}, take.label || take.name),
       el("span", {}, `${(take.seconds ?? 0).toFixed(1)} s · ${take.ticks ?? 0} ticks`)),
     el("button", { title: "Let the recorded person drive the robot again", onclick: () =>

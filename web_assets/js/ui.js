@@ -38,6 +38,19 @@ export async function attempt(action) {
   try { return await action(); } catch (error) { toast(capital(error.message)); return null; }
 }
 
+// The newest takes in which every typed word occurs, at most `most` of them, and a line on how many.
+export function search(takes, words, most) {
+  const plain = (s) => s.toLowerCase().replaceAll("_", " ");
+  const wanted = plain(words).split(/\s+/).filter(Boolean);
+  const found = takes.filter((take) => {
+    const said = plain([take.name, take.label, take.note, take.source].join(" "));
+    return wanted.every((word) => said.includes(word));
+  });
+  const rows = found.slice(-most).reverse();
+  const line = wanted.length ? `Showing ${rows.length} of ${found.length} found among ${takes.length}` : `Showing ${rows.length} of ${takes.length}`;
+  return { rows, line: rows.length < takes.length ? line : "" };
+}
+
 export const capital = (words) => words ? words[0].toUpperCase() + words.slice(1) : words;
 
 export const typing = (node) =>
