@@ -68,7 +68,8 @@ def review(library: SessionLibrary, name: str) -> Review:
         # What is still out of step, and how well the two agree once that is put right.
         left = Alignment(
             lag=proposed.lag - before.lag if proposed.certainty > 0.0 else 0.0,
-            correlation=proposed.correlation,
+            # A warp that was accepted agrees better than any lag alone.
+            correlation=max(proposed.correlation, before.correlation if edits.warp else 0.0),
             certainty=proposed.certainty,
         )
     start, end = liveliest(table, keep)

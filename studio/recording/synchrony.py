@@ -5,6 +5,7 @@ A lag and a warp that are accepted become edits; a take's own curve is kept besi
 
 import contextlib
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from studio.recording import alignment, lag, likelihood
 from studio.recording import edits as edit_log
 from studio.recording.alignment import Alignment
 from studio.recording.columns import CACHE, Columns, columns
-from studio.recording.edited import ends, kept
+from studio.recording.edited import ends, human_rows, kept
 from studio.recording.edits import Edits
 from studio.recording.library import SessionLibrary
 from studio.recording.recorder import TAPE
@@ -39,13 +40,23 @@ def align(
 
     others: curves of the session's other takes, see `session_curves`.
     """
-    human, robot = _sides(table, *liveliest(table, kept(len(table), edits)))
+    start, end = liveliest(table, kept(len(table), edits))
+    human, robot = _sides(table, start, end)
     if human is None or robot is None:
         return None, None
     proposed = lag.align(human, robot, a1.CONTROL_DT, others)
     if proposed.correlation == 0.0 and proposed.certainty == 0.0:
         return None, None
+    if edits.warp:
+        return _warped_agreement(table, edits, start, end), proposed
     return lag.agreement(human, robot, a1.CONTROL_DT, edits.lag or 0.0), proposed
+
+
+def _warped_agreement(table: Columns, edits: Edits, start: int, end: int) -> Alignment | None:
+    human, robot = _sides(table, start, end, edits)
+    if human is None or robot is None:
+        return None
+    return replace(lag.agreement(human, robot, a1.CONTROL_DT, 0.0), lag=edits.lag or 0.0)
 
 
 def session_curves(library: SessionLibrary, name: str) -> list[lag.Curve]:
@@ -122,8 +133,9 @@ def liveliest(table: Columns, keep: NDArray[np.bool_]) -> tuple[int, int]:
 
 
 def _sides(
-    table: Columns, start: int, end: int
+    table: Columns, start: int, end: int, edits: Edits | None = None
 ) -> tuple[lag.HumanSide | None, lag.RobotSide | None]:
+    """Both over these rows; the human as the lag and warp of `edits` put it."""
     rows = table.rows[start:end]
     seen = np.flatnonzero(np.isfinite(rows["human_t"]))
     if len(seen) < 2:
@@ -133,6 +145,11 @@ def _sides(
     if not np.isfinite(human).all():  # gone for a while: as last seen
         last = np.where(np.isfinite(rows["human_t"]), np.arange(len(rows)), seen[0])
         human = human[np.maximum.accumulate(last)]
+    if edits is not None:
+        at = np.clip(human_rows(np.arange(start, end), edits) - start, 0, len(human) - 1)
+        low = np.floor(at).astype(int)
+        part = (at - low)[:, None, None]
+        human = (1.0 - part) * human[low] + part * human[np.minimum(low + 1, len(human) - 1)]
     return lag.human_side(human), lag.robot_side(
         *(
             np.asarray(rows[f"reference_{key}"], dtype=np.float64)
@@ -174,6 +191,11 @@ def accept_alignment(
     if warp:
         changes["warp"] = propose_warp(table, edits, late) or None
     library.edit(name, **changes)
+    if changes["warp"]:
+        warped = replace(edits, **changes)
+        after = _warped_agreement(table, warped, *liveliest(table, kept(len(table), warped)))
+        if after is not None:
+            proposed = replace(proposed, correlation=after.correlation)
     return before, proposed
 
 

@@ -111,6 +111,49 @@ def test_a_warp_is_kept_and_read_back(library: SessionLibrary):
     assert np.all(np.diff(rows) >= -1e-6)
 
 
+@pytest.fixture
+def wandering(tmp_path: Path, acted) -> tuple[SessionLibrary, np.ndarray]:
+    """A take of a person who hurries and dawdles by 0.3 s, and what each tick's row really is."""
+    rows = np.arange(len(acted.human_pos))
+    played = rows + 9.0 * np.sin(2.0 * np.pi * rows / 90.0)
+    at = np.clip(np.rint(played).astype(int), 0, rows[-1])
+    record(replace(acted, human_pos=acted.human_pos[at]), tmp_path, "one")
+    return SessionLibrary(tmp_path), np.interp(rows + acted.lag / DT, played, rows)
+
+
+def agreement(library: SessionLibrary) -> float:
+    before = review.review(library, "one").before
+    assert before is not None
+    return before.correlation
+
+
+def test_a_warp_that_is_accepted_raises_agreement_where_tempo_wanders(wandering):
+    library, _ = wandering
+    commands.align_take(library.root, "one")
+    lagged = agreement(library)
+    done = commands.align_take(library.root, "one", warp=True)
+    assert agreement(library) > lagged + 0.03
+    assert done["after"]["correlation"] == pytest.approx(agreement(library))
+    library.undo("one")
+    assert agreement(library) == pytest.approx(lagged)
+
+
+def test_the_right_warp_agrees_as_well_as_a_person_who_keeps_time(
+    wandering, tmp_path_factory, acted
+):
+    library, rows = wandering
+    steady = SessionLibrary(tmp_path_factory.mktemp("steady"))
+    record(acted, steady.root, "one")
+    for each in (library, steady):
+        each.edit("one", lag=acted.lag)
+    shift = (rows - np.arange(len(rows))) * DT - acted.lag
+    library.edit("one", warp=[[i * DT, float(shift[i])] for i in range(0, len(rows) - 30, 5)])
+    assert agreement(library) == pytest.approx(agreement(steady), abs=0.02)
+    before = review.review(library, "one").before
+    assert before is not None
+    assert before.lag == acted.lag
+
+
 def test_the_score_is_listed_and_is_no_step_to_undo(library: SessionLibrary):
     found = review.review(library, "one")
     assert library.list()[0].score == pytest.approx(found.score)
