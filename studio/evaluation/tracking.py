@@ -185,6 +185,7 @@ def _code() -> str:
         for room in ("imitation", "reference", "robot", "sim")
         for f in (studio / room).rglob("*.py")
     ]
+    files += [studio / "spatial.py", studio / "evaluation" / "disturbed.py"]
     return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()
 
 
