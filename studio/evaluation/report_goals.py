@@ -3,12 +3,17 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from studio.evaluation.report_tables import Row, Rows
+from studio.evaluation.report_tables import TRACKING, Column, Row, Rows
+from studio.imitation.crossing import SOURCES
+from studio.reference.intent import STATES, StateName
 
 
 @dataclass(frozen=True, kw_only=True)
 class Goal:
-    """table, who: the rows it is about. worst: of those rows, the figure to be judged."""
+    """table, who: the rows it is about. worst: of those rows, the figure to be judged.
+
+    A robot that fell in any of them misses it.
+    """
 
     words: str
     table: str
@@ -24,11 +29,53 @@ class Goal:
         if not rows:
             return None
         value = self.worst(rows)
+        fell = any(r.get("survived") is False for r in rows)
         met = value >= self.limit if self.at_least else value <= self.limit
         sign = "≥" if self.at_least else "≤"
-        found = f"{value:.3g}{self.unit}"
-        cells = (self.words, f"{sign} {self.limit:g}{self.unit}", found, "yes" if met else "**no**")
-        return "| " + " | ".join(cells) + " |"
+        found = f"{value:.3g}{self.unit}" + (", fell" if fell else "")
+        return _line(self.words, f"{sign} {self.limit:g}{self.unit}", found, met and not fell)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Beats:
+    """The policy's tracking of a state against PD playback's, by their 95 % intervals.
+
+    Better by more than both intervals. Of what is `higher` and PD has FULL of already, it must
+    only not be worse by so much.
+    """
+
+    state: str
+    column: Column
+    higher: bool = False
+
+    def line(self, tables: dict[str, Rows]) -> str | None:
+        """A row of the page; None while either's row is not made."""
+        rows = {r["controller"]: r for r in tables.get("tracking", []) if r["state"] == self.state}
+        if not {"policy", "pd_playback"} <= rows.keys():
+            return None
+        policy, pd = rows["policy"], rows["pd_playback"]
+        (low, high), (pd_low, pd_high) = self._interval(policy), self._interval(pd)
+        if self.higher and float(pd[self.column.key]) >= FULL:
+            word, met = "not below", high >= pd_low
+        elif self.higher:
+            word, met = "above", low > pd_high
+        else:
+            word, met = "below", high < pd_low
+        words = f"{self.state} against PD: {self.column.head}"
+        return _line(words, f"{word} {self.column.cell(pd)}", self.column.cell(policy), met)
+
+    def _interval(self, row: Row) -> tuple[float, float]:
+        value = row[self.column.key]
+        low, high = row.get(f"{self.column.key}_ci", (value, value))
+        return float(low), float(high)
+
+
+FULL = 0.99
+"""Share of the time from which on there is nothing left to gain."""
+
+
+def _line(words: str, goal: str, found: str, met: bool) -> str:
+    return f"| {words} | {goal} | {found} | {'yes' if met else '**no**'} |"
 
 
 def _policy(*states: str) -> Callable[[Row], bool]:
@@ -45,6 +92,19 @@ def _most(key: str, scale: float = 1.0) -> Callable[[Rows], float]:
 
 def _furthest(asked: str, held: str) -> Callable[[Rows], float]:
     return lambda rows: max(abs(float(r[asked]) - float(r[held])) for r in rows)
+
+
+def _range_off(rows: Rows) -> float:
+    """Of one axis: how far the range held, from one side to the other, is off the range asked."""
+    ends = [min(rows, key=_commanded), max(rows, key=_commanded)]
+    asked, held = (
+        float(ends[1][key]) - float(ends[0][key]) for key in ("commanded_deg", "achieved_deg")
+    )
+    return abs(asked - held)
+
+
+def _commanded(row: Row) -> float:
+    return float(row["commanded_deg"])
 
 
 def _on(
@@ -68,10 +128,53 @@ def _on(
 
 
 _STILL = ("stand", "sit")
-_TILT = _furthest("reference_deg", "achieved_deg")
+_TILT = _furthest("commanded_deg", "achieved_deg")
 _SPEED = _furthest("commanded_m_s", "achieved_m_s")
 _TURN = _furthest("commanded_deg_s", "achieved_deg_s")
-GOALS = (
+SIT_RANGES = {"pitch": (30, 4.0), "roll": (15, 4.0), "yaw": (7, 3.5)}
+"""Degrees asked, and how far off it may be: never more than half, or standing still would do."""
+
+
+def _sit_range(axis: str) -> Goal:
+    asked, limit = SIT_RANGES[axis]
+    return Goal(
+        words=f"sit {axis}, {asked}° of range, off by",
+        table="tilt",
+        who=lambda r: r["controller"] == "policy" and (r["state"], r["axis"]) == ("sit", axis),
+        worst=_range_off,
+        limit=limit,
+        at_least=False,
+        unit="°",
+    )
+
+
+def _entering(goal: str, source: str) -> Goal:
+    """Judged by whom the live controller lets do it: the policy, or PD playback."""
+    return Goal(
+        words=f"from {source} to {goal}, success",
+        table="transitions",
+        who=lambda r: bool(r.get("in_charge")) and (r["from"], r["to"]) == (source, goal),
+        worst=_least("success_time_ratio"),
+        limit=0.95,
+        at_least=True,
+    )
+
+
+_COLUMNS = {c.key: c for c in TRACKING}
+
+
+def _against_pd(state: StateName) -> list[Beats]:
+    lower = ["joint_rmse_deg", "foot_error_m", "orientation_error_deg"]
+    if state == "walk":
+        lower.append("velocity_error_m_s")
+    shares = ("success_time_ratio", "tracked_time_ratio")
+    return [
+        *(Beats(state=state, column=_COLUMNS[k], higher=True) for k in shares),
+        *(Beats(state=state, column=_COLUMNS[k]) for k in lower),
+    ]
+
+
+GOALS: tuple[Goal | Beats, ...] = (
     _on("tracking", "success time, every state", (), _least("success_time_ratio"), 0.99, True),
     _on(
         "tracking", "tracked time, stand and sit", _STILL, _least("tracked_time_ratio"), 0.95, True
@@ -80,8 +183,10 @@ GOALS = (
     _on("tracking", "joints, stand and sit", _STILL, _most("joint_rmse_deg"), 4.0, False, "°"),
     _on("tracking", "joints, walk", ("walk",), _most("joint_rmse_deg"), 5.0, False, "°"),
     _on("tracking", "feet", (), _most("foot_error_m", 100.0), 3.0, False, " cm"),
+    *(beats for state in STATES for beats in _against_pd(state)),
+    *(_entering(goal, source) for goal, sources in SOURCES.items() for source in sources),
     _on("tilt", "stand ±40° on each axis, off by", ("stand",), _TILT, 4.0, False, "°"),
-    _on("tilt", "sit 30, 15, 7° of range, off by", ("sit",), _TILT, 4.0, False, "°"),
+    *map(_sit_range, SIT_RANGES),
     _on("reach", "a paw sitting", ("sit",), _least("paw_m"), 0.8, True, " m"),
     _on("reach", "a paw standing (must fail)", ("stand",), _most("paw_m"), 0.8, False, " m"),
     _on("walk", "speeds 0 to 0.97 m/s, off by", (), _SPEED, 0.1, False, " m/s"),

@@ -9,7 +9,10 @@ Rows = list[Row]
 
 @dataclass(frozen=True, kw_only=True)
 class Column:
-    """key: of a row. head: of the column. scale: the value's factor. places: its digits."""
+    """key: of a row. head: of the column. scale: the value's factor. places: its digits.
+
+    A row that has `KEY_ci` too shows it behind: 2.4 [2.3, 2.5].
+    """
 
     key: str
     head: str
@@ -23,13 +26,18 @@ class Column:
         if isinstance(value, bool):
             return "yes" if value else "no"
         if isinstance(value, (int, float)):
-            return f"{self.scale * value:.{self.places}f}"
+            interval = row.get(f"{self.key}_ci")
+            ends = f" [{', '.join(map(self._figure, interval))}]" if interval else ""
+            return self._figure(value) + ends
         return str(value).replace("_", " ")
+
+    def _figure(self, value: float) -> str:
+        return f"{self.scale * value:.{self.places}f}"
 
 
 _STATE, _WHO = Column(key="state", head="state"), Column(key="controller", head="controller")
 _VARIANT = Column(key="variant", head="variant")
-_TRACKING = (
+TRACKING = (
     Column(key="success_time_ratio", head="success", places=3),
     Column(key="tracked_time_ratio", head="tracked", places=3),
     Column(key="joint_rmse_deg", head="joints °", places=1),
@@ -45,10 +53,16 @@ _TRACKING = (
     Column(key="torque_saturation", head="saturated %", scale=100.0, places=1),
 )
 TABLES: dict[str, tuple[str, tuple[Column, ...]]] = {
-    "tracking": ("Noisy references of 10 s, full Table I", (_STATE, _WHO, *_TRACKING)),
+    "tracking": ("Noisy references of 10 s, full Table I", (_STATE, _WHO, *TRACKING)),
     "transitions": (
         "Into each state from the others, full Table I",
-        (Column(key="from", head="from"), Column(key="to", head="to"), _WHO, *_TRACKING[:5]),
+        (
+            Column(key="from", head="from"),
+            Column(key="to", head="to"),
+            _WHO,
+            Column(key="in_charge", head="in charge"),
+            *TRACKING[:5],
+        ),
     ),
     "tilt": (
         "Tilts held, nominal dynamics",
@@ -105,8 +119,8 @@ TABLES: dict[str, tuple[str, tuple[Column, ...]]] = {
     ),
     "ablation": (
         "Ablation: consistency at test time, walking policies of 3 million samples",
-        (Column(key="kind", head="kind"), _STATE, _VARIANT, _WHO, *_TRACKING[:7], _TRACKING[11]),
+        (Column(key="kind", head="kind"), _STATE, _VARIANT, _WHO, *TRACKING[:7], TRACKING[11]),
     ),
-    "curriculum": ("Curriculum", (_VARIANT, *_TRACKING[:7])),
-    "future": ("Without the future", (_VARIANT, *_TRACKING[:9])),
+    "curriculum": ("Curriculum", (_VARIANT, *TRACKING[:7])),
+    "future": ("Without the future", (_VARIANT, *TRACKING[:9])),
 }

@@ -4,6 +4,7 @@ Every episode begins in the period in which the goal's policy takes over, out of
 the source, and goes on in the goal for the rest of its 10 s.
 """
 
+import json
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -11,7 +12,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from studio.evaluation.contenders import contender
+from studio.evaluation.contenders import contender, path_of
 from studio.evaluation.tracking import CACHE, Job, Motions, compare
 from studio.imitation.bank import MotionBank, assemble, warp
 from studio.imitation.crossing import SOURCES, crossing, rests_on_legs
@@ -49,13 +50,27 @@ def run_transitions(
     cache: Path | None = CACHE,
     progress: bool = True,
 ) -> dict[str, Any]:
-    """`{"rows": [...]}` as `tracking` has them, a row per way between two states and controller."""
+    """`{"rows": [...]}` as `tracking` has them, a row per way between two states and controller.
+
+    in_charge: the live controller lets this one do it.
+    """
     rows = []
     for goal, sources in SOURCES.items():
         for source in sources:
+            chosen = in_charge(goal, models)
             found = [contender(name, goal, models) for name in controllers]
             jobs: list[Job] = [(goal, who) for who in found if who is not None]
             motions = crossings_from(cast(StateName, source))
             done = compare(jobs, episodes, seed, threads, cache, progress, motions)
-            rows += [{"from": source, "to": goal, **row} for row in done]
+            rows += [
+                {"from": source, "to": goal, "in_charge": row["controller"] == chosen, **row}
+                for row in done
+            ]
     return {"rows": rows}
+
+
+def in_charge(goal: StateName, models: Path = MODELS) -> str:
+    """Who enters a state live, as PolicyTracker has it: a policy trained to, or the PD."""
+    sidecar = path_of("policy", goal, models).with_suffix(".json")
+    trained = sidecar.exists() and json.loads(sidecar.read_text()).get("transitions", False)
+    return "policy" if trained else "pd_playback"
