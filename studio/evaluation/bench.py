@@ -18,6 +18,7 @@ from studio.mocap import open_source
 from studio.orders import PuppeteerConfig
 from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
+from studio.training.machine import machine as processor
 
 log = logging.getLogger(__name__)
 
@@ -68,15 +69,8 @@ def run_bench(config: BenchConfig) -> dict[str, Any]:
 
 def machine() -> dict[str, Any]:
     """What the figures were measured on."""
-    name = platform.processor() or platform.machine()
-    try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
-        name = next(line.split(":", 1)[1].strip() for line in lines if "model name" in line)
-    except (OSError, StopIteration):
-        pass
     return {
-        "cpu": name,
-        "cores": os.cpu_count(),
+        **processor(),
         "load_1min": round(os.getloadavg()[0], 2),
         "python": platform.python_version(),
         "system": platform.system(),

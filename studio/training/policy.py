@@ -8,7 +8,7 @@ import logging
 import subprocess
 import time
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -22,6 +22,7 @@ from studio.imitation.observation import level_quat
 from studio.imitation.policy import MODELS, manifest_of, save_policy
 from studio.training import checkpoint
 from studio.training.distil import Distiller
+from studio.training.machine import machine
 from studio.training.parallel import ALONE, SEED_STEP, Crew, join, leave
 from studio.training.policy_settings import PolicyTraining, algorithm_of, make_environment
 from studio.training.ppo import TorchEnv, collect, make_algorithm
@@ -196,20 +197,27 @@ class PolicyTrainer:
 
     def manifest(self, **facts: Any) -> dict[str, Any]:
         """The sidecar: how to run the weights, and what they are made of."""
-        settings = self.env.env.config
+        config, settings = self.config, self.env.env.config
         return manifest_of(
-            self.config.state,
+            config.state,
             settings.observation,
             settings.action,
-            np.array(level_quat(self.config.level)),
+            np.array(level_quat(config.level)),
             self.env.env.neutral,
             samples=self.samples,
             hours=round(self.seconds / 3600.0, 3),
-            seed=self.config.seed,
+            seed=config.seed,
             commit=commit(),
-            recipe=asdict(self.config.made_by),
+            # what was really learnt from the teacher, whatever the recipe would have
+            recipe=asdict(replace(config.made_by, distil=config.lessons)),
+            lessons=config.lessons,
+            curriculum=config.curriculum,
+            randomise=config.randomise,
+            preset=config.preset,
+            push=config.push,
+            machine=machine(),
             tasks=list(self.env.env.bank.tasks),
-            symmetric=self.config.made_by.mirror_loss > 0.0,
+            symmetric=self.ppo.mirror_loss > 0.0,
             transitions=any(t.startswith("from_") for t in self.env.env.bank.tasks),
             stage=self.env.env.curriculum.level,
             stages=len(self.env.env.curriculum.ladder),

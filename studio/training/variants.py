@@ -7,6 +7,7 @@ models/policy/ablation. All share a plain recipe (nothing held, no crossings, no
 reference noise of 2 to 4 degrees), so that one change at a time is seen.
 """
 
+import json
 import logging
 import shutil
 from dataclasses import dataclass, replace
@@ -84,9 +85,16 @@ def train_variant(variant: Variant) -> dict[str, Any]:
         raise StudioError(f"{config.folder} stopped at {done['samples']} samples; run it again")
     target = weights(variant.state, variant.name)
     target.parent.mkdir(parents=True, exist_ok=True)
-    for suffix in (".safetensors", ".json"):
-        shutil.copy(config.folder / f"policy{suffix}", target.with_suffix(suffix))
+    publish(config.folder / "policy.safetensors", target, variant.name)
     return done
+
+
+def publish(source: Path, target: Path, name: str) -> None:
+    """Copy weights and sidecar, which then says which variant it is and what that changes."""
+    shutil.copy(source, target)
+    manifest = json.loads(source.with_suffix(".json").read_text())
+    manifest["variant"] = {"name": name, "changes": VARIANTS[name]}
+    target.with_suffix(".json").write_text(json.dumps(manifest, indent=1) + "\n")
 
 
 if __name__ == "__main__":

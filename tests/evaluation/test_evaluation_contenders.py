@@ -1,19 +1,23 @@
 """The rows of the policy tables: trained ones where there are weights, each on its own terms."""
 
+import json
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from studio.evaluation.ablation import CONSISTENCY, run_ablation
 from studio.evaluation.contenders import contender, trained
-from studio.evaluation.transitions import crossings_from, run_transitions
+from studio.evaluation.kicks import run_kicks
+from studio.evaluation.transitions import crossings_from, in_charge, run_transitions
 from studio.imitation.bank import build_bank
 from studio.imitation.env import EnvConfig
-from studio.imitation.policy import Policy, save_policy
+from studio.imitation.policy import MODELS, Policy, save_policy
+from studio.reference.intent import STATES
 from studio.training.policy import PolicyTrainer
 from studio.training.policy_settings import PolicyTraining, Recipe, make_environment
 from studio.training.ppo import PpoConfig
-from studio.training.variants import VARIANTS, Variant, settings_of, weights
+from studio.training.variants import VARIANTS, Variant, publish, settings_of, weights
 
 TINY = {"num_envs": 4, "threads": 1, "motions_per_task": 1, "crossings": 0}
 
@@ -70,6 +74,65 @@ def test_every_variant_changes_one_thing_of_one_recipe() -> None:
         ]
         assert len(changed) <= 2, name
         assert config.samples == 3_000_000
+
+
+def test_a_published_variant_says_what_it_changes(tmp_path: Path) -> None:
+    source, target = tmp_path / "policy.safetensors", tmp_path / "walk-no_teacher.safetensors"
+    source.write_bytes(b"weights")
+    source.with_suffix(".json").write_text('{"state": "walk"}')
+    publish(source, target, "no_teacher")
+    assert target.read_bytes() == b"weights"
+    assert json.loads(target.with_suffix(".json").read_text()) == {
+        "state": "walk",
+        "variant": {"name": "no_teacher", "changes": {"distil": 0}},
+    }
+
+
+@pytest.mark.parametrize("file", sorted((MODELS / "ablation").glob("*.json")), ids=lambda f: f.stem)
+def test_every_shipped_variants_sidecar_is_true(file: Path) -> None:
+    state, name = file.stem.split("-")
+    facts = json.loads(file.read_text())
+    assert facts["variant"] == {"name": name, "changes": VARIANTS[name]}
+    assert facts["recipe"]["distil"] == settings_of(Variant(state=state, name=name)).lessons  # type: ignore[arg-type]
+
+
+def test_checkpoints_are_small_enough_for_the_repository() -> None:
+    files = sorted((MODELS / "checkpoints").glob("*.safetensors"))
+    assert [f.stem for f in files] == sorted(STATES)
+    assert max(f.stat().st_size for f in files) < 6_000_000
+
+
+def test_the_pd_enters_a_state_whose_policy_was_not_trained_to(tmp_path: Path) -> None:
+    assert in_charge("sit", tmp_path) == "pd_playback"
+    (tmp_path / "sit.json").write_text('{"transitions": false}')
+    assert in_charge("sit", tmp_path) == "pd_playback"
+    (tmp_path / "sit.json").write_text('{"transitions": true}')
+    assert in_charge("sit", tmp_path) == "policy"
+
+
+@pytest.mark.slow
+def test_fewer_survive_with_a_kick_than_without(tmp_path: Path) -> None:
+    rows = run_kicks(4, threads=1, models=tmp_path)["rows"]  # no policies there
+    assert [(r["state"], r["controller"]) for r in rows] == [
+        ("stand", "pd_playback"),
+        ("walk", "pd_playback"),
+    ]
+    assert [r["kick_m_s"] for r in rows] == [0.5, 0.3]
+    for row in rows:
+        assert 0.0 <= row["survived"] <= row["survived_unkicked"] <= 1.0
+
+
+@pytest.mark.slow
+def test_the_ablation_switches_consistency_off_at_test_time(tmp_path: Path) -> None:
+    rows = run_ablation(2, states=("sit",), threads=1, models=tmp_path, cache=None, progress=False)[
+        "rows"
+    ]
+    assert {(r["kind"], r["state"], r["controller"]) for r in rows} == {
+        ("test", "sit", "pd_playback")
+    }
+    assert set(CONSISTENCY) <= {r["variant"] for r in rows}
+    jerk = {r["variant"]: r["jerk_rad_s3"] for r in rows}
+    assert jerk["no_temporal_consistency"] > jerk["both"]
 
 
 def test_crossings_are_judged_from_their_first_frame() -> None:

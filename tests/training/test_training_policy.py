@@ -15,6 +15,7 @@ from studio.imitation.env import EnvConfig, ImitationEnv
 from studio.imitation.policy import Policy, save_policy
 from studio.training import checkpoint
 from studio.training.policy import PolicyTrainer, PolicyTraining
+from studio.training.policy_settings import Recipe
 from studio.training.ppo import PAPER, PpoConfig, TorchEnv, collect, make_algorithm
 
 SMALL = PpoConfig(horizon=6, epochs=1, minibatch=48, hidden=(32, 32))
@@ -179,6 +180,18 @@ def test_exported_weights_act_like_the_trained_network(bank: MotionBank, tmp_pat
     assert policy.layers(observation) == pytest.approx(expected, abs=1e-5)
     assert policy.manifest["samples"] == 96
     assert policy.manifest["state"] == "sit"
+
+
+def test_the_sidecar_says_what_was_really_done(bank: MotionBank) -> None:
+    # The recipe asks for a mirror loss and lessons; the loss is only applied with lessons.
+    plain = trainer(bank, recipe=Recipe(), distil=0, curriculum=False, push=0.1).manifest()
+    assert (plain["symmetric"], plain["lessons"], plain["recipe"]["distil"]) == (False, 0, 0)
+    assert (plain["curriculum"], plain["randomise"]) == (False, True)
+    assert (plain["preset"], plain["push"]) == ("default", 0.1)
+    assert plain["machine"]["cores"] >= 1
+    assert plain["machine"]["cpu"]
+    taught = trainer(bank, recipe=Recipe()).manifest()
+    assert (taught["symmetric"], taught["lessons"]) == (True, 800_000)
 
 
 def test_bad_settings_say_what_would_work() -> None:
