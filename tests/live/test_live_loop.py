@@ -178,6 +178,21 @@ def test_a_command_is_answered_after_the_tick_that_applied_it_or_with_why(make):
         assert answer.state["mode"] == "live"
 
 
+def test_the_controller_is_switched_to_the_pd_and_back_while_the_robot_tilts(make):
+    loop = make(Script(task="tilt"))
+    run(loop, 3.0)
+    assert loop.state_dict()["controller"] == "policy"
+    for name in ("pd_playback", "policy"):
+        answer = ask(loop, c.SetController(name=name))
+        assert answer.ok, answer.why
+        assert answer.state["controller"] == name
+        ticks = run(loop, 3.0)
+        assert {tick.state for tick in ticks} == {"stand"}
+        after = loop.state_dict()
+        assert (after["controller"], after["stopped"]) == (name, False)
+        assert after["robot"]["base_pos"][2] > 0.2
+
+
 def test_a_locked_state_is_kept_whatever_the_person_does(make):
     loop = make(Script(task="walk"))
     run(loop, 0.2)
