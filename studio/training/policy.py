@@ -217,7 +217,7 @@ class PolicyTrainer:
             push=config.push,
             machine=machine(),
             tasks=list(self.env.env.bank.tasks),
-            symmetric=self.ppo.mirror_loss > 0.0,
+            symmetric=self.ppo.mirror or self.ppo.mirror_loss > 0.0,
             transitions=any(t.startswith("from_") for t in self.env.env.bank.tasks),
             stage=self.env.env.curriculum.level,
             stages=len(self.env.env.curriculum.ladder),

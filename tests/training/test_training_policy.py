@@ -184,7 +184,11 @@ def test_exported_weights_act_like_the_trained_network(bank: MotionBank, tmp_pat
 
 def test_the_sidecar_says_what_was_really_done(bank: MotionBank) -> None:
     # The recipe asks for a mirror loss and lessons; the loss is only applied with lessons.
-    plain = trainer(bank, recipe=Recipe(), distil=0, curriculum=False, push=0.1).manifest()
+    unmirrored = PpoConfig(mirror=False)
+    plain = trainer(
+        bank, recipe=Recipe(), distil=0, curriculum=False, push=0.1, ppo=unmirrored
+    ).manifest()
+    assert trainer(bank, recipe=Recipe(), distil=0).manifest()["symmetric"]  # mirrored copies
     assert (plain["symmetric"], plain["lessons"], plain["recipe"]["distil"]) == (False, 0, 0)
     assert (plain["curriculum"], plain["randomise"]) == (False, True)
     assert (plain["preset"], plain["push"]) == ("default", 0.1)
