@@ -33,7 +33,8 @@ def environment(bank: MotionBank, n: int = 16, randomisation: float = 0.5) -> Im
 
 
 def trainer(bank: MotionBank, **settings: object) -> PolicyTrainer:
-    config = PolicyTraining(state="sit", num_envs=16, threads=1, ppo=SMALL, **settings)  # type: ignore[arg-type]
+    settings = {"ppo": SMALL, **settings}
+    config = PolicyTraining(state="sit", num_envs=16, threads=1, **settings)  # type: ignore[arg-type]
     return PolicyTrainer(config, environment(bank))
 
 
@@ -184,7 +185,7 @@ def test_exported_weights_act_like_the_trained_network(bank: MotionBank, tmp_pat
 
 def test_the_sidecar_says_what_was_really_done(bank: MotionBank) -> None:
     # The recipe asks for a mirror loss and lessons; the loss is only applied with lessons.
-    unmirrored = PpoConfig(mirror=False)
+    unmirrored = replace(SMALL, mirror=False)
     plain = trainer(
         bank, recipe=Recipe(), distil=0, curriculum=False, push=0.1, ppo=unmirrored
     ).manifest()
