@@ -171,7 +171,7 @@ def _(command: OpenedReplay, session: "Session", now: float) -> Made:
 
 @apply.register(c.Seek)
 def _(command: c.Seek, session: "Session", now: float) -> Made:
-    if session.replay is None:
+    if session.mode != "replay" or session.replay is None:
         raise StudioError("nothing is replayed: choose mode replay first")
     session.replay.seek(command.t, command.playing, command.speed, command.loop)
     return {}

@@ -95,6 +95,7 @@ def studio_live(studio_at):
         assert client.post("/api/source", json={"source": "operator:quiet"}).status_code == 200
     if state["stopped"]:
         client.post("/api/reset")
+    if not state["armed"]:
         client.post("/api/arm")
     client.post("/api/mode", json={"mode": "live"})
     client.post("/api/state", json={"state": "auto"})
