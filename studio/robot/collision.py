@@ -68,6 +68,8 @@ _END = np.array([c.end for c in CAPSULES])
 _RADIUS = np.array([c.radius for c in CAPSULES])
 _GAP = _RADIUS[_I] + _RADIUS[_J]
 _EPS = 1e-12
+_TINY = 1e-300
+"""Keeps a segment of no length from a division by zero; a short one still has two ends."""
 
 
 def link_capsules(joint_pos: ArrayLike) -> tuple[Array, Array, Array]:
@@ -110,8 +112,8 @@ def segment_distance(p1: Array, q1: Array, p2: Array, q2: Array) -> Array:
     c, f = dot(d1, r), dot(d2, r)
     det = a * e - b * b
     s = np.where(det > _EPS, _clip01((b * f - c * e) / np.maximum(det, _EPS)), 0.0)
-    t = _clip01((b * s + f) / np.maximum(e, _EPS))
-    s = _clip01((b * t - c) / np.maximum(a, _EPS))
+    t = _clip01((b * s + f) / np.maximum(e, _TINY))
+    s = _clip01((b * t - c) / np.maximum(a, _TINY))
     gap = r + s[..., None] * d1 - t[..., None] * d2
     return np.sqrt(dot(gap, gap))
 
