@@ -42,8 +42,11 @@ def page(tables: dict[str, Rows], facts: str) -> str:
 
 
 def _episodes(rows: Rows) -> str:
-    count = rows[0].get("episodes", 1)
-    return f"{count} episodes a row" if count > 1 else "one episode a case"
+    counts = [row.get("episodes", 1) for row in rows]
+    few, many = min(counts), max(counts)
+    if many == 1:
+        return "one episode a case"
+    return f"{many} episodes a row" if few == many else f"{few} to {many} episodes a row"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from studio.errors import StudioError
-from studio.evaluation.report import Report, load, make, page
+from studio.evaluation.report import Report, _episodes, load, make, page
 
 
 def walk_rows(achieved: float) -> list[dict[str, object]]:
@@ -146,3 +146,10 @@ def test_the_page_is_made_from_a_real_evaluation(tmp_path: Path) -> None:
     text = out.read_text()
     assert "| a paw sitting | ≥ 0.8 m |" in text
     assert "| sit | both | policy |" in text
+
+
+def test_rows_of_unlike_numbers_of_episodes_say_so():
+    rows = [{"state": "stand", "controller": "policy", "episodes": n} for n in (5120, 1024)]
+    assert _episodes(rows) == "1024 to 5120 episodes a row"
+    assert _episodes(rows[:1]) == "5120 episodes a row"
+    assert _episodes([{"episodes": 1}]) == "one episode a case"
