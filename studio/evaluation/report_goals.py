@@ -164,9 +164,7 @@ _COLUMNS = {c.key: c for c in TRACKING}
 
 
 def _against_pd(state: StateName) -> list[Beats]:
-    lower = ["joint_rmse_deg", "foot_error_m", "orientation_error_deg"]
-    if state == "walk":
-        lower.append("velocity_error_m_s")
+    lower = ("joint_rmse_deg", "foot_error_m", "orientation_error_deg", "velocity_error_m_s")
     shares = ("success_time_ratio", "tracked_time_ratio")
     return [
         *(Beats(state=state, column=_COLUMNS[k], higher=True) for k in shares),
