@@ -236,7 +236,7 @@ class History:
         self.heading_error[ids] = 0.0
         self.place_error[ids] = 0.0
         if self.config.place_gain:
-            self._feet[ids], self._stood[ids] = _level_feet(z), contact
+            self._feet[ids], self._stood[ids] = _footholds(z), contact
 
     def push(self, z: Array, reference: Array, contact: Array) -> None:
         """A new frame of every robot; contact: (N, 4) 1 where a foot's sensor feels the ground."""
@@ -256,7 +256,7 @@ class History:
         self.heading_error = np.minimum(np.maximum(error, -HEADING_CLIP), HEADING_CLIP)
         self._past[:, -1, YAW_RATE] += config.heading_gain * self.heading_error
         if config.place_gain:
-            feet = _level_feet(z)
+            feet = _footholds(z)
             asked = odometry.turned(reference[:, VELOCITY] * dt, self.heading_error)
             gone = odometry.displacement(self._feet, feet, turn, self._stood * contact)
             self._feet, self._stood = feet, contact
@@ -286,5 +286,5 @@ class History:
         return np.concatenate(parts, axis=1, dtype=np.float32)
 
 
-def _level_feet(z: Array) -> Array:
-    return odometry.level_feet(z[:, :12], z[:, 12], z[:, 13])
+def _footholds(z: Array) -> Array:
+    return odometry.footholds(z[:, :12], z[:, 12], z[:, 13])

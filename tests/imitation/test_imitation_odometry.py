@@ -1,9 +1,13 @@
 """Heading and place, held by gyro and legs: against hand-computed steps and a real simulation."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
+from studio import spatial
 from studio.errors import StudioError
+from studio.evaluation.scripted import record
 from studio.imitation import odometry
 from studio.imitation.observation import (
     GYRO_YAW,
@@ -13,11 +17,15 @@ from studio.imitation.observation import (
     YAW_RATE,
     History,
     ObservationConfig,
+    roll_pitch,
 )
+from studio.reference import gait
+from studio.reference.marching import Bout, march_track
 from studio.robot import a1, kinematics
 
 DT = a1.CONTROL_DT
 STANDING = np.ones((1, 4))
+NO_CHANGE = (0.0, 0.0, 0.0)
 
 
 def frames(yaw_rate: float = 0.0, forward: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
@@ -50,6 +58,70 @@ def test_a_trunk_that_moves_over_planted_feet_is_seen_to_move() -> None:
     now[:, 1] += 0.3  # a swinging foot says nothing
     np.testing.assert_allclose(odometry.displacement(planted, now, turn, stands), way, atol=1e-12)
     assert not odometry.displacement(planted, now, turn, 0 * stands).any()
+
+
+def placed(
+    feet: Callable[..., np.ndarray], change: tuple[float, float, float], pitch: float = 0.0
+) -> np.ndarray:
+    """Feet of a standing robot whose hips, thighs and calves have turned by `change`."""
+    joint_pos = a1.STAND_JOINT_POS + np.tile(change, 4)
+    return feet(joint_pos[None], np.zeros(1), np.array([pitch]))
+
+
+def test_a_foot_that_rolls_forward_over_its_contact_stays_where_it_is() -> None:
+    # The leg swings back by 0.15 and the trunk tips forward by 0.1 over one foot.
+    change, tips = (0.0, 0.2, -0.05), 0.1
+    stands = np.array([[1.0, 0.0, 0.0, 0.0]])
+    way = (placed(odometry.level_feet, NO_CHANGE) - placed(odometry.level_feet, change, tips))[0, 0]
+    # A ball that turns forward by an angle rolls forward by its radius times the angle.
+    way[0] += a1.FOOT_RADIUS * (0.2 - 0.05 + tips)
+    before, now = placed(odometry.footholds, NO_CHANGE), placed(odometry.footholds, change, tips)
+    seen = odometry.displacement(before, now, np.zeros(1), stands)
+    assert way[0] > 0.05
+    np.testing.assert_allclose(seen[0], way[:2], atol=1e-12)
+
+
+def test_a_foot_that_rolls_sideways_over_its_contact_stays_where_it_is() -> None:
+    # All hips turn the feet to the left, so that the level trunk moves to the right.
+    change = (0.1, 0.0, 0.0)
+    way = placed(odometry.level_feet, NO_CHANGE) - placed(odometry.level_feet, change)
+    # Turned about x, the balls roll to the right, as the trunk moves.
+    expected = way[0, :, 1].mean() - 0.1 * a1.FOOT_RADIUS
+    before, now = placed(odometry.footholds, NO_CHANGE), placed(odometry.footholds, change)
+    seen = odometry.displacement(before, now, np.zeros(1), STANDING)
+    assert expected < -0.02
+    np.testing.assert_allclose(seen[0], [0.0, expected], atol=1e-12)
+
+
+def test_one_foot_of_three_that_slides_is_left_out() -> None:
+    before = np.zeros((1, 4, 3))
+    now = before - [0.01, 0.002, 0.0]
+    now[0, 1, :2] -= [0.02, -0.01]
+    stands = np.array([[1.0, 1.0, 1.0, 0.0]])
+    seen = odometry.displacement(before, now, np.zeros(1), stands)
+    np.testing.assert_allclose(seen, [[0.01, 0.002]], atol=1e-12)
+
+
+def test_legs_tell_how_far_the_simulated_robot_walks() -> None:
+    speed, seconds = 0.4, 5.0
+    bout = Bout(half_strides=15, cadence=1.5, lift=float(gait.march_lift(1.5, speed)))
+    done = record("walk", [march_track("walk", seconds, [bout])], "policy")
+    pos, quat, joints = done.base_pos[:, 0], done.base_quat[:, 0], done.joint_pos[:, 0]
+    height = kinematics.foot_pos_w(pos, quat, joints)[..., 2]
+    stood = (height < a1.FOOT_RADIUS + odometry.CONTACT_GAP).astype(float)
+    tilt = roll_pitch(quat)
+    turn = np.diff(np.unwrap(spatial.heading(quat)))
+
+    def way(feet: Callable[..., np.ndarray]) -> float:
+        at = feet(joints, tilt[:, 0], tilt[:, 1])
+        return float(
+            odometry.displacement(at[:-1], at[1:], turn, stood[:-1] * stood[1:])[:, 0].sum()
+        )
+
+    true = odometry.turned(np.diff(pos[:, :2], axis=0), -spatial.heading(quat)[1:])[:, 0].sum()
+    assert true > 1.2
+    assert way(odometry.footholds) == pytest.approx(true, rel=0.03)
+    assert way(odometry.level_feet) < 0.96 * true  # what fixed centres would miss
 
 
 def test_a_heading_that_is_missed_is_added_to_the_yaw_rate() -> None:
