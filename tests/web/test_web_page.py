@@ -312,6 +312,17 @@ def test_the_state_is_switched_by_its_button(page, served):
     served.wait(lambda s: s["state_lock"] == "auto")
 
 
+def test_a_controller_is_chosen_and_says_what_it_cannot_do(page, served):
+    calm(page, served)
+    note = "() => document.querySelector('#controller-note').textContent"
+    page.wait_for_function(f"() => ({note})().includes('balance')")
+    page.select_option("#controller", "pd_playback")
+    served.wait(lambda s: s["controller"] == "pd_playback")
+    page.wait_for_function(f"() => ({note})().includes('without balance')")
+    page.select_option("#controller", "policy")
+    served.wait(lambda s: s["controller"] == "policy")
+
+
 @pytest.mark.parametrize("focus", ["text box", "3-D view"])
 def test_escape_stops_wherever_the_focus_is_then_reset_and_arm(page, served, focus):
     calm(page, served)

@@ -174,6 +174,13 @@ function drawState(state) {
   drawCollect(state);
 }
 
+// What each controller does with the reference: what an operator has to know before choosing it.
+const CONTROLLER_NOTES = {
+  policy: "Trained to balance while it tracks.",
+  pd_playback: "The reference straight to the motors, without balance: walking faster than 0.2 m/s it often falls.",
+  stand_still: "Holds the neutral pose whatever you do.",
+};
+
 function drawController(state) {
   const select = $("#controller");
   const names = state.controllers ?? [state.controller ?? app.tick?.controller].filter(Boolean);
@@ -181,7 +188,9 @@ function drawController(state) {
     select.dataset.names = names.join();
     select.replaceChildren(...names.map((name) => el("option", { value: name }, capital(name.replace("_", " ")))));
   }
-  if (document.activeElement !== select) select.value = state.controller ?? app.tick?.controller ?? "";
+  const chosen = state.controller ?? app.tick?.controller ?? "";
+  if (document.activeElement !== select) select.value = chosen;
+  text($("#controller-note"), CONTROLLER_NOTES[chosen] ?? "");
 }
 
 function drawLink() {
