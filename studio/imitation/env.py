@@ -136,10 +136,11 @@ class ImitationEnv:
     ) -> tuple[NDArray[np.float32], Array, NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
         """Observations, rewards (N,), terminated (N,), truncated (N,), extras.
 
-        Robots that ended are already begun anew in the observations; extras["final_observation"]
-        and extras["final_ids"] keep what the truncated ones last saw, for bootstrapping, and
-        extras["final_privileged"] what their critic saw. target: (N, 12) rad PD targets to use
-        instead of the action's (the baselines of a table).
+        Robots that ended are already begun anew in the observations; extras["ended_observation"]
+        keeps what those of extras["ended_ids"] saw last. Of the truncated ones alone, whose return
+        goes on, extras["final_observation"] and extras["final_ids"] say it again, for
+        bootstrapping, and extras["final_privileged"] what their critic saw. target: (N, 12) rad PD
+        targets to use instead of the action's (the baselines of a table).
         """
         action = clip_action(np.asarray(action, dtype=np.float64))
         if target is None:
@@ -157,12 +158,14 @@ class ImitationEnv:
         self.frame = np.minimum(self.frame, self.bank.frames - 1)
         self._sense()
         extras: dict[str, Any] = {}
-        late = np.flatnonzero(truncated)
-        if len(late):
-            extras["final_ids"] = late
-            extras["final_observation"] = self.observation()[late]
-            extras["final_privileged"] = self.privileged()[late]
         done = np.flatnonzero(terminated | truncated)
+        late = truncated[done]
+        if len(done):
+            extras["ended_ids"], extras["ended_observation"] = done, self.observation(done)
+        if late.any():
+            extras["final_ids"] = done[late]
+            extras["final_observation"] = extras["ended_observation"][late]
+            extras["final_privileged"] = self.privileged()[done[late]]
         if len(done) and not self.config.evaluation:
             extras["episode_tracked_ratio"] = self.tracked[done] / np.maximum(
                 self.bank.frames - self.begin[done], 1
@@ -173,14 +176,16 @@ class ImitationEnv:
             self._reset(done)
         return self.observation(), rewards, terminated, truncated, extras
 
-    def observation(self) -> NDArray[np.float32]:
-        """(N, dim): what the policy sees now."""
+    def observation(self, ids: NDArray[np.intp] | slice = slice(None)) -> NDArray[np.float32]:
+        """(N, dim): what the policy sees now; or (n, dim), what those of `ids` see."""
         future = None
         if self.config.observation.future_kind == "true" and self.config.observation.future:
-            ahead = self.frame[:, None] + np.array(self.config.observation.future)
-            ahead = np.minimum(ahead, self.bank.frames - 1)
-            future = self.bank.feature[self.motion[:, None], ahead].reshape(self.num_envs, -1)
-        return self.history.observation(future)
+            frame, motion = self.frame[ids, None], self.motion[ids, None]
+            ahead = np.minimum(
+                frame + np.array(self.config.observation.future), self.bank.frames - 1
+            )
+            future = self.bank.feature[motion, ahead].reshape(len(frame), -1)
+        return self.history.observation(future, ids)
 
     def privileged(self) -> NDArray[np.float32]:
         """(N, PRIVILEGED_DIM): what only a critic may know."""

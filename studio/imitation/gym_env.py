@@ -50,9 +50,9 @@ class A1Imitation(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
             action[None].astype(np.float64)
         )
         info = {k: float(v[0]) for k, v in {**self._env.terms, **self._env.metrics}.items()}
-        if truncated[0]:
+        if terminated[0] or truncated[0]:
             # The vectorised environment has begun anew by now; Gymnasium wants what was seen last.
-            observation = extras["final_observation"]
+            observation = extras["ended_observation"]
         return observation[0], float(reward[0]), bool(terminated[0]), bool(truncated[0]), info
 
     def _make(self, seed: int) -> ImitationEnv:

@@ -273,13 +273,18 @@ class History:
         self.actions[:, :-1] = self.actions[:, 1:]
         self.actions[:, -1] = action
 
-    def observation(self, future: Array | None = None) -> NDArray[np.float32]:
-        """o_t (N, dim) float32; future: (N, 18 · len(future)), where the true one is asked for."""
-        n = len(self.z)
-        past = self.reference
-        parts = [self.z.reshape(n, -1), self.actions.reshape(n, -1), past.reshape(n, -1)]
+    def observation(
+        self, future: Array | None = None, ids: NDArray[np.intp] | slice = slice(None)
+    ) -> NDArray[np.float32]:
+        """o_t (n, dim) float32 of the robots `ids`, by default of all N.
+
+        future: (n, 18 · len(future)), where the true one is asked for.
+        """
+        past = self._past[ids]
+        blocks = (self.z[ids], self.actions[ids], past[:, -FRAMES:])
+        parts = [block.reshape(len(past), -1) for block in blocks]
         if self._foresee is not None:
-            future = self._foresee(self._past)
+            future = self._foresee(past)
         if self.config.future:
             assert future is not None
             parts.append(future)

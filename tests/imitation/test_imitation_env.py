@@ -270,6 +270,42 @@ def test_gymnasium_wrapper_passes_gymnasiums_own_checker() -> None:
         check_env(env, skip_render_check=True)
 
 
+def test_gymnasium_gets_what_a_fallen_robot_saw_last_and_not_the_next_episode() -> None:
+    from studio.imitation.gym_env import A1Imitation
+
+    env = A1Imitation("stand", motions_per_task=1)
+    before, _ = env.reset(seed=0)
+    fold = np.tile([0.0, 4.0, 4.0], 4).astype(np.float32)  # thighs forward, calves stretched
+    for _ in range(60):
+        last, _, terminated, truncated, _ = env.step(fold)
+        if terminated or truncated:
+            break
+        before = last
+    assert terminated
+    z, action = last[:68].reshape(4, 17), last[68:104].reshape(3, 12)
+    # The same history, one frame on; a new episode's frames are all alike and without actions.
+    assert np.array_equal(z[:3], before[17:68].reshape(3, 17))
+    assert np.array_equal(action[-1], fold)
+    # On its trunk, all thighs half a radian past standing: nothing a new episode begins with.
+    assert np.all(z[3, 1:12:3] > env._env.neutral[1::3] + 0.5)
+    fresh, _ = env.reset(seed=0)
+    assert np.array_equal(fresh[:17], fresh[51:68])
+
+
+def test_of_the_ended_only_the_truncated_are_for_bootstrapping(stand: MotionBank) -> None:
+    env = nominal(stand)
+    env.reset()
+    env.frame[3] = stand.frames - 1
+    env.world.qpos[5, 3:7] = spatial.quat_from_rpy([np.pi / 2, 0.0, 0.0])
+    _, _, terminated, truncated, extras = env.step(np.zeros((8, 12)))
+    assert (list(np.flatnonzero(truncated)), list(np.flatnonzero(terminated))) == ([3], [5])
+    assert list(extras["ended_ids"]) == [3, 5]
+    assert list(extras["final_ids"]) == [3]
+    assert np.array_equal(extras["final_observation"], extras["ended_observation"][:1])
+    assert extras["ended_observation"][1, 51 + 12] > np.radians(80.0)  # the roll it fell with
+    assert len(extras["final_privileged"]) == 1
+
+
 def test_a_robot_led_astray_knows_how_far_off_its_way_it_begins(walk: MotionBank) -> None:
     observation = ObservationConfig(heading_gain=1.0, place_gain=1.0)
     config = EnvConfig(
