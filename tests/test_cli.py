@@ -95,6 +95,7 @@ def test_bad_usage_is_exit_status_2_and_says_something(argv, capsys):
         ["drive", "--source", "stream", "--seconds", "1"],
         ["drive", "--source", "operator", "--seconds", "-3"],
         ["takes", "show", "nothing"],
+        ["train", "policy", "--state", "sit", "--device", "cuda:99"],
     ],
 )
 def test_what_fails_is_exit_status_1_and_one_line(argv, tmp_path, monkeypatch, capsys):

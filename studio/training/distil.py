@@ -17,6 +17,7 @@ from studio.imitation.env import ImitationEnv
 from studio.imitation.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
 from studio.imitation.teacher import TeacherConfig, teacher_action
 from studio.training.parallel import ALONE, Crew
+from studio.training.ppo import mirror_tensors
 
 log = logging.getLogger(__name__)
 
@@ -53,10 +54,10 @@ class Distiller:
         parameters = list(alg.actor.mlp.parameters())
         self.optimizer = torch.optim.Adam(parameters, lr=config.learning_rate)
         self.lessons: deque[tuple[torch.Tensor, torch.Tensor]] = deque(maxlen=config.keep)
-        index, sign = observation_mirror(env.config.observation)
-        self.mirror = torch.as_tensor(index), torch.as_tensor(sign, dtype=torch.float32)
-        self.joints = torch.as_tensor(JOINT_INDEX), torch.as_tensor(JOINT_SIGN, dtype=torch.float32)
-        self.weight = torch.tensor([config.hip_weight, 1.0, 1.0]).repeat(4)
+        self.device = str(alg.device)
+        self.mirror = mirror_tensors(observation_mirror(env.config.observation), self.device)
+        self.joints = mirror_tensors((JOINT_INDEX, JOINT_SIGN), self.device)
+        self.weight = torch.tensor([config.hip_weight, 1.0, 1.0], device=self.device).repeat(4)
         self.rng = np.random.default_rng(crew.rank)
 
     def lesson(self, progress: float) -> dict[str, float]:
@@ -69,15 +70,16 @@ class Distiller:
             observations.append(observation)
             answers.append(answer.astype(np.float32))
             with torch.inference_mode():
-                x = self.alg.actor.obs_normalizer(torch.from_numpy(observation))
-                action = self.alg.actor.mlp(x).numpy().astype(np.float64)
+                x = torch.from_numpy(observation).to(self.device)
+                x = self.alg.actor.mlp(self.alg.actor.obs_normalizer(x))
+                action = x.cpu().numpy().astype(np.float64)
             action += self.config.noise * self.rng.standard_normal(action.shape)
             observation = self.env.step(action)[0]
             for name in sums:
                 sums[name] += float(self.env.metrics[name].mean()) / self.config.horizon
         new = (
-            torch.from_numpy(np.concatenate(observations)),
-            torch.from_numpy(np.concatenate(answers)),
+            torch.from_numpy(np.concatenate(observations)).to(self.device),
+            torch.from_numpy(np.concatenate(answers)).to(self.device),
         )
         self.lessons.append(new)
         self.alg.actor.obs_normalizer.update(new[0])  # type: ignore[operator]
@@ -92,7 +94,8 @@ class Distiller:
         observations, answers = (torch.cat(part) for part in zip(*self.lessons, strict=True))
         losses = []
         for _ in range(c.passes * count // c.minibatch):
-            rows = torch.from_numpy(self.rng.integers(0, len(observations), c.minibatch))
+            drawn = self.rng.integers(0, len(observations), c.minibatch)
+            rows = torch.from_numpy(drawn).to(self.device)
             x, y = observations[rows], answers[rows]
             half = c.minibatch // 2
             x = torch.cat([x[:half], x[half:, self.mirror[0]] * self.mirror[1]])

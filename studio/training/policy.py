@@ -21,6 +21,7 @@ from studio.imitation.foresight import Foresight
 from studio.imitation.observation import level_quat
 from studio.imitation.policy import MODELS, manifest_of, save_policy
 from studio.training import checkpoint
+from studio.training.device import random_states, restore_random_states
 from studio.training.distil import Distiller
 from studio.training.machine import machine
 from studio.training.parallel import ALONE, SEED_STEP, Crew, join, leave
@@ -45,7 +46,7 @@ class PolicyTrainer:
         self.config, self.crew = config, crew
         self.ppo = algorithm_of(config)
         own = config.seed + SEED_STEP * crew.rank
-        self.env = TorchEnv(env or make_environment(config, seed=own))
+        self.env = TorchEnv(env or make_environment(config, seed=own), config.device)
         self.env.env.reset()
         self.alg = make_algorithm(self.env, self.ppo, crew)
         torch.manual_seed(own)  # exploration is everyone's own
@@ -138,7 +139,7 @@ class PolicyTrainer:
         tensors = {f"actor.{k}": v for k, v in self.alg.actor.state_dict().items()}
         tensors |= {f"critic.{k}": v for k, v in self.alg.critic.state_dict().items()}
         tensors |= checkpoint.flatten_optimizer(self.alg.optimizer)
-        tensors["torch_random_state"] = torch.get_rng_state()
+        tensors |= random_states(self.env.device)
         facts = {
             "config": json.loads(json.dumps(asdict(self.config), default=str)),
             "samples": self.samples,
@@ -176,7 +177,7 @@ class PolicyTrainer:
         self.env.env.restart()
         if self.crew.first:  # the others' dice were never written down: theirs are thrown anew
             self.env.env.rng.bit_generator.state = facts["random_state"]
-            torch.set_rng_state(tensors["torch_random_state"])
+            restore_random_states(self.env.device, tensors)
         self.obs = self.env.present()
 
     def tensors(self) -> dict[str, np.ndarray]:
@@ -185,12 +186,12 @@ class PolicyTrainer:
         linear = [m for m in actor.mlp.modules() if isinstance(m, torch.nn.Linear)]
         normaliser = cast(Any, actor.obs_normalizer)
         out = {
-            "mean": normaliser._mean.numpy()[0],
-            "std": normaliser._std.numpy()[0] + normaliser.eps,
+            "mean": normaliser._mean.cpu().numpy()[0],
+            "std": normaliser._std.cpu().numpy()[0] + normaliser.eps,
         }
         for i, layer in enumerate(linear):
-            out[f"weight_{i}"] = layer.weight.detach().numpy()
-            out[f"bias_{i}"] = layer.bias.detach().numpy()
+            out[f"weight_{i}"] = layer.weight.detach().cpu().numpy()
+            out[f"bias_{i}"] = layer.bias.detach().cpu().numpy()
         out = {k: np.ascontiguousarray(v, dtype=np.float32) for k, v in out.items()}
         foresee = self.env.env.foresee
         return out | (foresee.tensors() if isinstance(foresee, Foresight) else {})
@@ -215,7 +216,7 @@ class PolicyTrainer:
             randomise=config.randomise,
             preset=config.preset,
             push=config.push,
-            machine=machine(),
+            machine={**machine(), "device": config.device},
             tasks=list(self.env.env.bank.tasks),
             symmetric=self.ppo.mirror or self.ppo.mirror_loss > 0.0,
             transitions=any(t.startswith("from_") for t in self.env.env.bank.tasks),

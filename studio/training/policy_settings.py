@@ -16,6 +16,7 @@ from studio.imitation.noise import NoiseConfig
 from studio.imitation.observation import FutureKind, ObservationConfig
 from studio.imitation.reward import RewardConfig
 from studio.reference.intent import STATES, StateName
+from studio.training.device import check_device
 from studio.training.ppo import PAPER, PpoConfig
 from studio.training.retargeted import with_people
 
@@ -64,7 +65,9 @@ class PolicyTraining:
 
     state: which expert, or "all" for one monolithic policy. samples: control steps in all, over
     every environment and every resumed part. hours: stop earlier, after so long. threads: of
-    physics and learner, 0 for every core. run: folder of checkpoint, curve and TensorBoard files
+    physics and learner, 0 for every core. device: where the networks learn, by torch's name (cpu,
+    cuda, cuda:1, mps); the physics stays on the processor. A checkpoint goes on on any device.
+    run: folder of checkpoint, curve and TensorBoard files
     (default runs/policy-STATE). resume: go on from the run's checkpoint, or from `checkpoint`.
     publish: write the weights to models/policy/STATE.safetensors too (always the run's folder).
     curriculum, randomise, yaw_rate, action, future: what the ablations switch; future: give the
@@ -83,6 +86,7 @@ class PolicyTraining:
     hours: float = 100.0
     num_envs: int = 256
     threads: int = 0
+    device: str = "cpu"
     seed: int = 0
     run: Path | None = None
     resume: bool = False
@@ -111,6 +115,7 @@ class PolicyTraining:
             raise unknown_name("state", self.state, get_args(PolicyName))
         if self.num_envs < 2 or self.samples < 1:
             raise StudioError("train policy needs --num-envs of at least 2 and positive --samples")
+        check_device(self.device)
 
     @property
     def made_by(self) -> Recipe:

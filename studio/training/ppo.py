@@ -59,22 +59,29 @@ PAPER = PpoConfig(
 
 
 class TorchEnv:
-    """The environment as rsl-rl's algorithm reads it: tensors, `num_envs`, `num_actions`."""
+    """The environment as rsl-rl's algorithm reads it: tensors, `num_envs`, `num_actions`.
+
+    The environment is numpy's and stays on the processor; its tensors lie on `device`.
+    """
 
     num_actions = 12
 
-    def __init__(self, env: ImitationEnv) -> None:
-        self.env, self.num_envs = env, env.num_envs
+    def __init__(self, env: ImitationEnv, device: str = "cpu") -> None:
+        self.env, self.num_envs, self.device = env, env.num_envs, device
         self._mirror = {
-            "actor": _tensors(observation_mirror(env.config.observation)),
-            "privileged": _tensors(privileged_mirror()),
-            "action": _tensors((JOINT_INDEX, JOINT_SIGN)),
+            "actor": mirror_tensors(observation_mirror(env.config.observation), device),
+            "privileged": mirror_tensors(privileged_mirror(), device),
+            "action": mirror_tensors((JOINT_INDEX, JOINT_SIGN), device),
         }
 
     def tensors(self, actor: np.ndarray, privileged: np.ndarray) -> TensorDict:
         """Groups "actor" and "privileged"; the critic sees both."""
-        groups = {"actor": torch.from_numpy(actor), "privileged": torch.from_numpy(privileged)}
+        groups = {"actor": self.tensor(actor), "privileged": self.tensor(privileged)}
         return TensorDict(groups, batch_size=[len(actor)])
+
+    def tensor(self, array: np.ndarray) -> torch.Tensor:
+        """An array on the learner's device."""
+        return torch.from_numpy(array).to(self.device)
 
     def present(self) -> TensorDict:
         """What is observed now."""
@@ -94,9 +101,13 @@ class TorchEnv:
         return both, None if actions is None else _with_mirror(actions, *self._mirror["action"])
 
 
-def _tensors(index_sign: tuple[np.ndarray, np.ndarray]) -> tuple[torch.Tensor, torch.Tensor]:
+def mirror_tensors(
+    index_sign: tuple[np.ndarray, np.ndarray], device: str
+) -> tuple[torch.Tensor, torch.Tensor]:
+    """Index and sign of a mirror (`imitation.symmetry`) on the learner's device."""
     index, sign = index_sign
-    return torch.as_tensor(index), torch.as_tensor(sign, dtype=torch.float32)
+    on = torch.device(device)
+    return torch.as_tensor(index, device=on), torch.as_tensor(sign, dtype=torch.float32, device=on)
 
 
 def _with_mirror(x: torch.Tensor, index: torch.Tensor, sign: torch.Tensor) -> torch.Tensor:
@@ -148,7 +159,7 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig, crew: Crew = ALONE) -> PPO:
         "multi_gpu": crew.settings,
     }
     with contextlib.redirect_stdout(io.StringIO()):  # the library prints its models
-        alg = PPO.construct_algorithm(env.present(), cast(Any, env), settings, "cpu")
+        alg = PPO.construct_algorithm(env.present(), cast(Any, env), settings, env.device)
     if alg.symmetry is not None and not ppo.mirror_loss:
         # It would forward the whole mirrored batch once more for a figure nobody reads.
         alg.symmetry.compute_loss = lambda *_: torch.zeros(())  # type: ignore[method-assign]
@@ -202,17 +213,17 @@ def collect(alg: PPO, env: TorchEnv, obs: TensorDict, horizon: int) -> tuple[Ten
     with torch.inference_mode():
         for _ in range(horizon):
             actions = alg.act(obs)
-            raw, rewards, terminated, truncated, extras = env.env.step(actions.numpy())
+            raw, rewards, terminated, truncated, extras = env.env.step(actions.cpu().numpy())
             figures.add(env.env, rewards, terminated, truncated, extras)
-            rewards = torch.from_numpy(rewards).float()
+            rewards = env.tensor(rewards.astype(np.float32))
             if "final_ids" in extras:
                 # Time ran out, nothing failed: the return goes on with the value of what the
                 # robot last saw (rsl-rl itself would take the value of the state before).
                 last = env.tensors(extras["final_observation"], extras["final_privileged"])
                 value = alg.critic(last).squeeze(-1)
-                rewards[torch.from_numpy(extras["final_ids"])] += alg.gamma * value
+                rewards[env.tensor(extras["final_ids"])] += alg.gamma * value
             obs = env.tensors(raw, env.env.privileged())
-            dones = torch.from_numpy(terminated | truncated).to(torch.uint8)
+            dones = env.tensor(terminated | truncated).to(torch.uint8)
             alg.process_env_step(obs, rewards, dones, {})
         alg.compute_returns(obs)
     return obs, figures
