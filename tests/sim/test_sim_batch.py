@@ -1,5 +1,7 @@
 """Batched worlds: delay against its closed form, draws against Table I, one world against many."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -85,10 +87,55 @@ def test_dynamics_reach_the_physics() -> None:
     world.set_dynamics(np.arange(2), drawn)
     model = world._batch.get_model(1)
     assert model.body_mass[1:] == pytest.approx(world.model.body_mass[1:] * drawn.mass[1])
+    # A link keeps its shape: as much heavier, as much harder to turn.
+    inertia = world.model.body_inertia[1:] * drawn.mass[1][:, None]
+    assert model.body_inertia[1:] == pytest.approx(inertia)
     assert model.geom_friction[:, 0] == pytest.approx(np.full(world.model.ngeom, drawn.friction[1]))
     assert model.actuator_gainprm[:, 0] == pytest.approx(np.full(12, a1.KP * drawn.kp[1]))
     assert model.actuator_biasprm[:, 2] == pytest.approx(np.full(12, -a1.KD * drawn.kd[1]))
     assert model.opt.gravity == pytest.approx(randomize.gravity(drawn.slope_axis)[1])
+
+
+def test_dynamics_drawn_again_do_not_pile_up() -> None:
+    world = make(2)
+    for seed in (5, 6):
+        drawn = randomize.draw(np.random.default_rng(seed), 2, world.num_links)
+        world.set_dynamics(np.arange(2), drawn)
+    model = world._batch.get_model(0)
+    assert model.body_mass[1:] == pytest.approx(world.model.body_mass[1:] * drawn.mass[0])
+    inertia = world.model.body_inertia[1:] * drawn.mass[0][:, None]
+    assert model.body_inertia[1:] == pytest.approx(inertia)
+
+
+def periods(world: BatchWorld, steps: int) -> np.ndarray:
+    """(steps, N) s that each control period lasts, told by what falling robots gain: v = g t."""
+    qpos, qvel = stand(len(world.qpos))
+    qpos[:, 2] = 50.0
+    world.reset(np.arange(len(qpos)), qpos, qvel)
+    speed = [np.zeros(len(qpos))]
+    for _ in range(steps):
+        world.step(np.tile(a1.STAND_JOINT_POS, (len(qpos), 1)))
+        speed.append(-np.array(world.base_lin_vel_w[:, 2]) / 9.81)
+    return np.diff(speed, axis=0)
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.5])
+def test_control_periods_jitter_within_their_range_anew_every_time(scale: float) -> None:
+    world = make(200)
+    drawn = randomize.draw(np.random.default_rng(0), 200, world.num_links, scale)
+    world.set_dynamics(np.arange(200), replace(drawn, slope_axis=np.zeros((200, 2))))
+    change = periods(world, 20) / a1.CONTROL_DT - 1.0
+    largest = 0.1 * scale
+    assert np.abs(change).max() < largest + 1e-3
+    # uniform within ± the largest: deviation largest / √3
+    assert change.std() == pytest.approx(largest / np.sqrt(3.0), rel=0.03)
+    assert abs(change.mean()) < 0.05 * largest
+    for a, b in ((change[:-1], change[1:]), (change[:, :-1], change[:, 1:])):  # times, robots
+        assert abs(np.corrcoef(a.ravel(), b.ravel())[0, 1]) < 0.07
+
+
+def test_a_nominal_robots_control_period_is_exact() -> None:
+    assert periods(make(2), 5) == pytest.approx(np.full((5, 2), a1.CONTROL_DT), rel=1e-3)
 
 
 def test_robots_do_not_feel_each_other() -> None:
