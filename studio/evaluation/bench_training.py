@@ -22,18 +22,27 @@ from studio.training.mapper import make_pairs
 
 SIZES = (64, 256, 1024, 4096)
 PPO_ENVS = 512
+PPO_SAMPLES = 60_000
+MOTIONS = 4
+"""Of every task at each difficulty."""
 STATE = "walk"
 PAIRS = (500, 5_000, 50_000)
 EPOCHS = 10
 
 
-def training_rates(seconds: float, sizes: tuple[int, ...] = SIZES) -> list[dict[str, Any]]:
+def training_rates(
+    seconds: float,
+    sizes: tuple[int, ...] = SIZES,
+    ppo_envs: int = PPO_ENVS,
+    ppo_samples: int = PPO_SAMPLES,
+    motions: int = MOTIONS,
+) -> list[dict[str, Any]]:
     """A row per number of environments: control samples a second of physics and environment.
 
-    The last row adds PPO around it (its own process), at 512 environments, without and with
+    The last row adds PPO around it (its own process), at `ppo_envs` environments, without and with
     mirrored copies (which are not counted), as shares of the bare physics of as many.
     """
-    bank = build_bank(STATE, per_task=4, seed=0)
+    bank = build_bank(STATE, per_task=motions, seed=0)
     rows = []
     for n in sizes:
         physics, environment = physics_rate(n, seconds), environment_rate(n, seconds, bank)
@@ -45,11 +54,11 @@ def training_rates(seconds: float, sizes: tuple[int, ...] = SIZES) -> list[dict[
                 "environment_share": environment / physics,
             }
         )
-    physics = physics_rate(PPO_ENVS, seconds)
-    plain, mirrored = ppo_rate(mirror=False), ppo_rate(mirror=True)
+    physics = physics_rate(ppo_envs, seconds)
+    plain, mirrored = (ppo_rate(mirror, ppo_envs, ppo_samples, motions) for mirror in (False, True))
     rows.append(
         {
-            "num_envs": PPO_ENVS,
+            "num_envs": ppo_envs,
             "physics_per_s": physics,
             "ppo_per_s": plain,
             "ppo_share": plain / physics,
@@ -102,17 +111,20 @@ def environment_rate(num_envs: int, seconds: float, bank: Any) -> float:
     return _rate(lambda: env.step(action), num_envs, seconds)
 
 
-def ppo_rate(mirror: bool) -> float:
+def ppo_rate(
+    mirror: bool, num_envs: int = PPO_ENVS, samples: int = PPO_SAMPLES, motions: int = MOTIONS
+) -> float:
     """Samples a second of `a1-studio train policy`, learning included; mirror: copies, not counted.
 
-    No teacher's lessons: they cost less than PPO does.
+    No teacher's lessons: they cost less than PPO does. StudioError, saying why, if it fails.
     """
     with tempfile.TemporaryDirectory() as folder:
         report = Path(folder) / "report.json"
         done = subprocess.run(
             [
                 *(sys.executable, "-m", "studio", "train", "policy", "--state", STATE),
-                *("--samples", "60000", "--num-envs", str(PPO_ENVS), "--motions-per-task", "4"),
+                *("--samples", str(samples), "--num-envs", str(num_envs)),
+                *("--motions-per-task", str(motions)),
                 *("--distil", "0", "--people", "0", "--crossings", "0"),
                 "--ppo.mirror" if mirror else "--ppo.no-mirror",
                 *("--run", str(Path(folder) / "run"), "--json", str(report)),

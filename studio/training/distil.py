@@ -93,7 +93,7 @@ class Distiller:
             group["lr"] = rate
         observations, answers = (torch.cat(part) for part in zip(*self.lessons, strict=True))
         losses = []
-        for _ in range(c.passes * count // c.minibatch):
+        for _ in range(max(c.passes * count // c.minibatch, 1)):  # few robots learn too
             drawn = self.rng.integers(0, len(observations), c.minibatch)
             rows = torch.from_numpy(drawn).to(self.device)
             x, y = observations[rows], answers[rows]

@@ -8,7 +8,13 @@ from studio.errors import StudioError
 from studio.evaluation import bench_live
 from studio.evaluation.bench import BenchConfig, compare, percentiles, run_bench
 from studio.evaluation.bench_takes import long_take, performed, takes_cost
-from studio.evaluation.bench_training import mapper_growth, physics_rate
+from studio.evaluation.bench_training import (
+    environment_rate,
+    mapper_growth,
+    physics_rate,
+    training_rates,
+)
+from studio.imitation.bank import build_bank
 
 
 def test_percentiles_of_a_known_row():
@@ -49,6 +55,29 @@ def test_an_unreadable_comparison_is_said_before_anything_is_measured(tmp_path):
 
 def test_physics_is_counted_over_all_environments():
     assert physics_rate(16, 0.2) > 16.0
+
+
+@pytest.mark.slow
+def test_training_is_rated_by_environments_and_as_a_share_of_bare_physics(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # training keeps its banks under runs/
+    *rows, ppo = training_rates(0.1, sizes=(2, 16), ppo_envs=8, ppo_samples=400, motions=1)
+    assert [row["num_envs"] for row in rows] == [2, 16]
+    for row in rows:
+        assert row["environment_per_s"] > 30.0  # quicker than one robot in real time
+        assert row["environment_share"] == pytest.approx(
+            row["environment_per_s"] / row["physics_per_s"]
+        )
+    assert ppo["num_envs"] == 8
+    for name in ("ppo", "ppo_mirrored"):
+        assert ppo[f"{name}_per_s"] > 30.0
+        assert ppo[f"{name}_share"] == pytest.approx(ppo[f"{name}_per_s"] / ppo["physics_per_s"])
+        assert ppo[f"{name}_share"] < 1.0
+
+
+def test_a_rate_counts_every_robot_of_every_step():
+    bank = build_bank("sit", per_task=1, seconds=2.0, difficulties=(0.4, 1.0))
+    few, many = (environment_rate(n, 0.3, bank) for n in (2, 64))
+    assert many > 2.0 * few  # a step's overhead is shared
 
 
 @pytest.mark.slow

@@ -1,0 +1,46 @@
+"""The tables of second policies: the future's worth, the curriculum's, by the shipped weights."""
+
+from pathlib import Path
+
+import pytest
+
+from studio.evaluation.curriculum import ROWS as CURRICULUM
+from studio.evaluation.curriculum import run_curriculum
+from studio.evaluation.future import ROWS as FUTURE
+from studio.evaluation.future import run_future
+
+
+@pytest.mark.slow
+def test_the_future_and_the_curriculum_are_told_by_the_same_few_walks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # banks are kept under runs/
+    settings = {"threads": 1, "cache": tmp_path / "rows", "progress": False}
+    future = run_future(3, 0, **settings)["rows"]  # type: ignore[arg-type]
+    assert [row["variant"] for row in future] == list(FUTURE.values())
+    assert [row["controller"] for row in future] == list(FUTURE)
+    for row in future:
+        assert (row["state"], row["episodes"], row["seed"]) == ("walk", 3, 0)
+        assert 0.8 < row["success_time_ratio"] <= 1.0
+        low, high = row["joint_rmse_deg_ci"]
+        assert low <= row["joint_rmse_deg"] <= high
+        # Everybody was asked to go the same way (a fall would cut it).
+        assert row["path_m"] == pytest.approx(future[0]["path_m"], rel=0.2)
+    by = {row["controller"]: row for row in future}
+    # Who knows what comes next follows closer, and no later than it is asked.
+    assert by["true_future"]["joint_rmse_deg"] < by["no_teacher"]["joint_rmse_deg"] - 0.5
+    assert by["true_future"]["lag_ms"] < by["no_teacher"]["lag_ms"]
+
+    curriculum = run_curriculum(3, 0, **settings)["rows"]  # type: ignore[arg-type]
+    assert [row["variant"] for row in curriculum] == list(CURRICULUM.values())
+    again = {row["controller"]: row for row in curriculum}
+    assert list(again) == list(CURRICULUM)
+    for name in ("no_teacher", "full"):  # the same walks, so the same figures
+        assert {**again[name], "variant": ""} == {**by[name], "variant": ""}
+    assert again["no_curriculum"]["joint_rmse_deg"] != again["no_teacher"]["joint_rmse_deg"]
+    assert len(list((tmp_path / "rows").glob("*.npz"))) == 5
+
+
+def test_variants_that_are_not_trained_have_no_rows(tmp_path: Path) -> None:
+    assert run_future(1, models=tmp_path) == {"rows": []}
+    assert run_curriculum(1, models=tmp_path) == {"rows": []}
