@@ -22,7 +22,7 @@ class NoiseConfig:
     joint_sigma: rad, range of the Ornstein-Uhlenbeck noise's σ on the reference's joints, drawn
     once an episode; tau: s, its time constant; the rest of p̄ follows in proportion. repeat: range
     of the share of frames that repeat the one before. encoder, encoder_bias: rad; imu_bias: rad of
-    roll and pitch; gyro: rad/s.
+    roll and pitch; gyro: rad/s. clean: share of the episodes whose reference has no noise at all.
     """
 
     joint_sigma: tuple[float, float] = (np.deg2rad(2.0), np.deg2rad(4.0))
@@ -32,6 +32,7 @@ class NoiseConfig:
     encoder_bias: float = 0.005
     imu_bias: float = 0.005
     gyro: float = 0.05
+    clean: float = 0.0
 
 
 def ou_step(noise: Array, sigma: Array, tau: float, dt: float, rng: np.random.Generator) -> Array:
@@ -57,8 +58,13 @@ class ReferenceNoise:
         """New noise for `ids` at its stationary spread; returns the noisy first frame (n, 18)."""
         n = len(ids)
         low, high = self.config.joint_sigma
-        self.sigma[ids] = scale * self.rng.uniform(low, high, (n, 1)) * _FEATURE_SIGMA
+        size = self.rng.uniform(low, high, (n, 1))
         self.repeat[ids] = scale * self.rng.uniform(*self.config.repeat, n)
+        if self.config.clean:
+            clean_ones = self.rng.random(n) < self.config.clean
+            size[clean_ones] = 0.0
+            self.repeat[ids[clean_ones]] = 0.0
+        self.sigma[ids] = scale * size * _FEATURE_SIGMA
         self.value[ids] = self.sigma[ids] * self.rng.standard_normal((n, 18))
         self.last[ids] = _limited(clean + self.value[ids])
         return self.last[ids]

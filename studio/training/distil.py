@@ -7,7 +7,9 @@ hands PPO a policy to improve.
 
 import logging
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 import torch
@@ -20,13 +22,15 @@ from studio.training.parallel import ALONE, Crew
 from studio.training.ppo import mirror_tensors
 
 log = logging.getLogger(__name__)
+Teacher = Callable[[ImitationEnv], np.ndarray]
+"""The environment as it stands → (N, 12), the actions that the student should have taken."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DistilConfig:
     """horizon: control periods between lessons. keep: lessons remembered. passes: over the newest
     lesson's number of samples, drawn from all that are kept. noise: of the student's actions.
-    hip_weight: of the hips' errors, whose small angles steer.
+    hip_weight: of the hips' errors, whose small angles steer. teacher: of the analytic one.
     """
 
     horizon: int = 24
@@ -49,8 +53,10 @@ class Distiller:
         env: ImitationEnv,
         config: DistilConfig = DistilConfig(),
         crew: Crew = ALONE,
+        teacher: Teacher | None = None,
     ) -> None:
         self.alg, self.env, self.config, self.crew = alg, env, config, crew
+        self.teacher = teacher or partial(teacher_action, config=config.teacher)
         parameters = list(alg.actor.mlp.parameters())
         self.optimizer = torch.optim.Adam(parameters, lr=config.learning_rate)
         self.lessons: deque[tuple[torch.Tensor, torch.Tensor]] = deque(maxlen=config.keep)
@@ -66,7 +72,7 @@ class Distiller:
         sums = {"joint_sq": 0.0, "foot_error": 0.0, "tilt_error": 0.0, "tracked": 0.0}
         observation = self.env.observation()
         for _ in range(self.config.horizon):
-            answer = teacher_action(self.env, self.config.teacher)
+            answer = self.teacher(self.env)
             observations.append(observation)
             answers.append(answer.astype(np.float32))
             with torch.inference_mode():

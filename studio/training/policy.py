@@ -14,12 +14,14 @@ from typing import Any, cast
 
 import numpy as np
 import torch
+from safetensors.numpy import save_file
 
 from studio.errors import StudioError
 from studio.imitation.env import ImitationEnv
 from studio.imitation.foresight import Foresight
 from studio.imitation.observation import level_quat
 from studio.imitation.policy import MODELS, manifest_of, save_policy
+from studio.imitation.privileged import LearnedTeacher
 from studio.training import checkpoint
 from studio.training.device import random_states, restore_random_states
 from studio.training.distil import Distiller
@@ -61,7 +63,8 @@ class PolicyTrainer:
         env = self.env.env
         env.curriculum.finish()
         env.restart()
-        distiller = Distiller(self.alg, env, crew=self.crew)
+        teacher = LearnedTeacher(self.config.teacher) if self.config.teacher else None
+        distiller = Distiller(self.alg, env, crew=self.crew, teacher=teacher)
         each = env.num_envs * distiller.config.horizon * self.crew.size
         while self.samples < lessons:
             began = time.perf_counter()
@@ -212,6 +215,7 @@ class PolicyTrainer:
             # what was really learnt from the teacher, whatever the recipe would have
             recipe=asdict(replace(config.made_by, distil=config.lessons)),
             lessons=config.lessons,
+            teacher="learned" if config.teacher else "analytic" if config.lessons else None,
             curriculum=config.curriculum,
             randomise=config.randomise,
             preset=config.preset,
@@ -310,7 +314,10 @@ def _keep(trainer: PolicyTrainer, figures: dict[str, float], folder: Path) -> No
     point = {k: round(figures[k], 4) for k in keep if k in figures}
     trainer.curve.append({"samples": trainer.samples, **point})
     trainer.save(folder / "checkpoint.safetensors")
-    save_policy(folder / "policy.safetensors", trainer.tensors(), trainer.manifest(scores={}))
+    if trainer.config.privileged:
+        save_file(trainer.tensors(), folder / "teacher.safetensors")
+    else:
+        save_policy(folder / "policy.safetensors", trainer.tensors(), trainer.manifest(scores={}))
 
 
 def _progress(

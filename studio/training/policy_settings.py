@@ -14,6 +14,7 @@ from studio.imitation.curriculum import Curriculum, stages
 from studio.imitation.env import EnvConfig, ImitationEnv
 from studio.imitation.noise import NoiseConfig
 from studio.imitation.observation import FutureKind, ObservationConfig
+from studio.imitation.privileged import PrivilegedEnv
 from studio.imitation.reward import RewardConfig
 from studio.reference.intent import STATES, StateName
 from studio.training.device import check_device
@@ -32,29 +33,42 @@ class Recipe:
 
     distil: samples learnt from the teacher before PPO. Sitting, the teacher itself falls on slopes
     (success .88 against .99 of PPO's policy): it has no sense of balance, and four feet need none.
-    heading_gain, place_gain: 1/s, see `observation.History`; only walking goes anywhere.
+    heading_gain, place_gain: 1/s, see `observation.History`; only walking goes anywhere, and who
+    sits turns by 3.5 degrees, which is less than the reference's noise. init_heading: rad, see
+    EnvConfig.
     anchor_tau, anchor_yaw_tau: s, see EnvConfig: walking at 0.5 s, a speed that is 0.08 m/s short
     costs 3 % of the reward, at 3 s 68 %; sitting at 0.5 s, nothing asks for a trunk that stays
     turned. noise_low: rad, least σ of the reference noise: a
     policy that has only met noise reads small tilts as noise. root_ori: scale of that reward term.
+    unrest: how much of a motion that went before
+    the trunk may still have at the start, as a share of a walk's: a robot that sits down stood.
     mirror_loss: see PpoConfig; the weights then run symmetric (`policy.Symmetric`), or a robot
     that is asked to walk straight turns by some degrees a second.
     """
 
     distil: int = 800_000
     heading_gain: float = 0.0
+    init_heading: float = 0.3
     place_gain: float = 0.0
     anchor_tau: float = 0.5
     anchor_yaw_tau: float = 0.5
     noise_low: float = 0.0
     root_ori: float = 5.0
+    unrest: float = 1.0
     mirror_loss: float = 1.0
 
 
 RECIPES: dict[PolicyName, Recipe] = {
     "stand": Recipe(),
     "walk": Recipe(heading_gain=1.0, place_gain=1.0, anchor_tau=3.0, anchor_yaw_tau=5.0),
-    "sit": Recipe(distil=0, root_ori=80.0, anchor_yaw_tau=10.0),
+    "sit": Recipe(
+        distil=0,
+        heading_gain=1.0,
+        init_heading=0.05,
+        anchor_yaw_tau=10.0,
+        root_ori=80.0,
+        unrest=0.3,
+    ),
     "all": Recipe(),
 }
 
@@ -63,21 +77,29 @@ RECIPES: dict[PolicyName, Recipe] = {
 class PolicyTraining:
     """`a1-studio train policy`.
 
-    state: which expert, or "all" for one monolithic policy. samples: control steps in all, over
-    every environment and every resumed part. hours: stop earlier, after so long. threads: of
-    physics and learner, 0 for every core. device: where the networks learn, by torch's name (cpu,
-    cuda, cuda:1, mps); the physics stays on the processor. A checkpoint goes on on any device.
-    run: folder of checkpoint, curve and TensorBoard files
-    (default runs/policy-STATE). resume: go on from the run's checkpoint, or from `checkpoint`.
-    publish: write the weights to models/policy/STATE.safetensors too (always the run's folder).
+    state: which expert, or "all" for one monolithic policy. preset: "paper" for the paper's PPO.
+    samples: control steps in all, over every environment and every resumed part; hours: stop
+    earlier, after so long. threads: of physics and learner, 0 for every core. device: where the
+    networks learn, by torch's name (cpu, cuda, cuda:1, mps); the physics stays on the processor. A
+    checkpoint goes on on any device.
+
+    run: folder of checkpoint, curve and TensorBoard files (default runs/policy-STATE, or
+    runs/teacher-STATE for a teacher). resume: go on from the run's checkpoint, or from
+    `checkpoint`, and `explore`: with actions spread by so much, in units of action, None for the
+    checkpoint's own (what is told apart by less than the spread is learnt slowly). publish: write
+    the weights to models/policy/STATE.safetensors too (always to the run's folder).
+
     curriculum, randomise, yaw_rate, action, future: what the ablations switch; future: give the
-    policy its reference 0.1, 0.2 and 0.3 s ahead, foreseen or true. crossings: motions out of each
-    other state a difficulty, 0 for none. people: whose walking, as the mapper retargets it, joins
-    the library's for the walking expert. gate, patience: see Curriculum. push: m/s, the largest
-    kick (EnvConfig). recipe: of the state, None for its own (the paper's preset has no teacher).
-    warmup: iterations in which only the critic learns, so that PPO does not spoil what was taught.
-    explore: spread of the actions to go on from a checkpoint with, in units of action; None: its
-    own. What is told apart by less than the spread is learnt slowly.
+    policy its reference 0.1, 0.2 and 0.3 s ahead, foreseen or true. gate, patience: see Curriculum.
+    crossings: motions out of each other state a difficulty, 0 for none. people: whose walking, as
+    the mapper retargets it, joins the library's for the walking expert. push: m/s, the largest
+    kick (EnvConfig). clean: share of the episodes whose reference has no noise.
+
+    recipe: of the state, None for its own. distil: samples learnt from a teacher before PPO, None
+    for the recipe's (the paper's preset has none). teacher: whose, the teacher.safetensors of a run
+    with `privileged`, which trains one on clean references and the simulation's own state; None for
+    the analytic one. warmup: iterations in which only the critic learns, so that PPO does not spoil
+    what was taught.
     """
 
     state: PolicyName
@@ -106,6 +128,9 @@ class PolicyTraining:
     distil: int | None = None
     recipe: Recipe | None = None
     warmup: int = 10
+    privileged: bool = False
+    teacher: Path | None = None
+    clean: float = 0.0
     explore: float | None = None
     checkpoint_seconds: float = 60.0
     ppo: PpoConfig = field(default_factory=PpoConfig)
@@ -116,6 +141,10 @@ class PolicyTraining:
         if self.num_envs < 2 or self.samples < 1:
             raise StudioError("train policy needs --num-envs of at least 2 and positive --samples")
         check_device(self.device)
+        if self.privileged and self.publish:
+            raise StudioError("a privileged teacher cannot run on a robot: leave --publish off")
+        if self.teacher and not self.lessons:
+            raise StudioError("--teacher teaches for --distil samples: give them")
 
     @property
     def made_by(self) -> Recipe:
@@ -125,6 +154,8 @@ class PolicyTraining:
     @property
     def lessons(self) -> int:
         """Samples learnt from the teacher, 0 for none."""
+        if self.privileged:
+            return 0
         if self.distil is not None:
             return self.distil
         return self.made_by.distil if self.preset == "default" else 0
@@ -137,7 +168,8 @@ class PolicyTraining:
     @property
     def folder(self) -> Path:
         """The run's folder."""
-        return self.run or Path("runs") / f"policy-{self.state}"
+        kind = "teacher" if self.privileged else "policy"
+        return self.run or Path("runs") / f"{kind}-{self.state}"
 
 
 FUTURE_PERIODS = (3, 6, 9)
@@ -173,7 +205,8 @@ def make_environment(
     if not config.curriculum:
         curriculum.finish()
     noise = NoiseConfig()
-    noise = replace(noise, joint_sigma=(recipe.noise_low, noise.joint_sigma[1]))
+    low_high = (recipe.noise_low, noise.joint_sigma[1])
+    noise = replace(noise, joint_sigma=low_high, clean=config.clean)
     observation = ObservationConfig(
         yaw_rate=config.yaw_rate,
         heading_gain=recipe.heading_gain if config.yaw_rate else 0.0,
@@ -191,9 +224,9 @@ def make_environment(
         anchor_tau=recipe.anchor_tau,
         anchor_yaw_tau=recipe.anchor_yaw_tau,
         init_first=0.3 if config.crossings else 0.0,
-        init_speed=0.6 if config.crossings else 0.0,
-        init_spin=1.0 if config.crossings else 0.0,
-        init_heading=0.3 if observation.heading_gain else 0.0,
+        init_speed=0.6 * recipe.unrest if config.crossings else 0.0,
+        init_spin=1.0 * recipe.unrest if config.crossings else 0.0,
+        init_heading=recipe.init_heading if observation.heading_gain else 0.0,
         init_place=0.2 if observation.place_gain else 0.0,
         push=config.push,
     )
@@ -202,12 +235,17 @@ def make_environment(
         rng = np.random.default_rng([config.seed, 1])
         foresee = foresight.fit(bank, FUTURE_PERIODS, noise, rng)
     seed = config.seed if seed is None else seed
+    if config.privileged:
+        settings = replace(settings, noise_scale=0.0)
+        return PrivilegedEnv(settings, bank, seed=seed, curriculum=curriculum)
     return ImitationEnv(settings, bank, seed=seed, curriculum=curriculum, foresee=foresee)
 
 
 def algorithm_of(config: PolicyTraining) -> PpoConfig:
     """PPO's figures of a run."""
     ppo = PAPER if config.preset == "paper" else config.ppo
+    if config.privileged:  # its mirror image is nobody's to deploy
+        return replace(ppo, mirror=False, mirror_loss=0.0)
     if config.lessons:
         # Lessons are mirrored already. With a taught policy's small spread, PPO's ratio of a
         # mirrored sample (old probability of the original) is far from 1 however symmetric

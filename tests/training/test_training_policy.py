@@ -1,5 +1,6 @@
 """PPO over the environment: bootstrapping, resume, export, and that it learns."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from studio.imitation.curriculum import Curriculum, Stage
 from studio.imitation.env import EnvConfig, ImitationEnv
 from studio.imitation.policy import Policy, save_policy
 from studio.training import checkpoint
-from studio.training.policy import PolicyTrainer, PolicyTraining
+from studio.training.policy import PolicyTrainer, PolicyTraining, run_train_policy
 from studio.training.policy_settings import Recipe
 from studio.training.ppo import PAPER, PpoConfig, TorchEnv, collect, make_algorithm
 
@@ -231,3 +232,34 @@ def test_a_short_training_beats_its_start() -> None:
     assert mean(end, "reward") > mean(start, "reward") + 0.05
     assert mean(end, "metric/tracked") > mean(start, "metric/tracked") + 0.02
     assert mean(end, "joint_rmse_deg") < mean(start, "joint_rmse_deg") - 1.0
+
+
+def test_a_privileged_run_leaves_a_teacher_that_another_learns_from(
+    bank: MotionBank, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    small: dict[str, object] = {
+        "state": "sit",
+        "num_envs": 16,
+        "threads": 1,
+        "motions_per_task": 1,
+        "crossings": 0,
+        "checkpoint_seconds": 0.0,
+        "ppo": SMALL,
+    }
+    run_train_policy(PolicyTraining(privileged=True, samples=96, **small))  # type: ignore[arg-type]
+    weights = Path("runs/teacher-sit/teacher.safetensors")
+    assert weights.exists()
+    assert not weights.with_name("policy.safetensors").exists()
+    taught = PolicyTraining(teacher=weights, distil=384, samples=384, **small)  # type: ignore[arg-type]
+    done = run_train_policy(taught)
+    assert done["samples"] >= 384
+    manifest = json.loads(Path("runs/policy-sit/policy.json").read_text())
+    assert (manifest["lessons"], manifest["teacher"]) == (384, "learned")
+
+
+def test_a_teacher_is_not_published_and_wants_samples_to_teach_in() -> None:
+    with pytest.raises(StudioError, match="--publish"):
+        PolicyTraining(state="sit", privileged=True, publish=True)
+    with pytest.raises(StudioError, match="--distil"):
+        PolicyTraining(state="sit", teacher=Path("teacher.safetensors"))
