@@ -174,6 +174,8 @@ class PolicyTrainer:
         checkpoint.restore_optimizer(self.alg.optimizer, tensors)
         self._set_rate(self.alg.schedule, facts["learning_rate"])
         self.warmup = int(facts.get("warmup", 0))
+        if self.warmup and self.warmup == facts["config"]["warmup"]:  # not begun: as asked now
+            self.warmup = self.config.warmup
         self.samples, self.seconds = int(facts["samples"]), float(facts["seconds"])
         self.iteration, self.curve = int(facts["iteration"]), list(facts["curve"])
         self.env.env.curriculum.load(facts["curriculum"])
