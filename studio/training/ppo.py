@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -17,6 +18,7 @@ from studio.imitation.symmetry import (
     observation_mirror,
     privileged_mirror,
 )
+from studio.training.learner import Learner
 from studio.training.parallel import ALONE, Crew
 
 
@@ -111,7 +113,7 @@ def mirror_tensors(
 
 
 def _with_mirror(x: torch.Tensor, index: torch.Tensor, sign: torch.Tensor) -> torch.Tensor:
-    return torch.cat([x, x[..., index] * sign])
+    return torch.cat([x, x.index_select(-1, index) * sign])
 
 
 def make_algorithm(env: TorchEnv, ppo: PpoConfig, crew: Crew = ALONE) -> PPO:
@@ -130,7 +132,7 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig, crew: Crew = ALONE) -> PPO:
     }
     batch = env.num_envs * ppo.horizon
     algorithm: dict[str, Any] = {
-        "class_name": "rsl_rl.algorithms:PPO",
+        "class_name": Learner if env.device == "cpu" else PPO,  # by hand where it is faster
         "num_learning_epochs": ppo.epochs,
         "num_mini_batches": max(batch // ppo.minibatch, 1),
         "clip_param": ppo.clip,
@@ -160,7 +162,7 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig, crew: Crew = ALONE) -> PPO:
     }
     with contextlib.redirect_stdout(io.StringIO()):  # the library prints its models
         alg = PPO.construct_algorithm(env.present(), cast(Any, env), settings, env.device)
-    if alg.symmetry is not None and not ppo.mirror_loss:
+    if not isinstance(alg, Learner) and alg.symmetry is not None and not ppo.mirror_loss:
         # It would forward the whole mirrored batch once more for a figure nobody reads.
         alg.symmetry.compute_loss = lambda *_: torch.zeros(())  # type: ignore[method-assign]
     # A zero last layer: training starts as PD playback, not as noise about it.
@@ -207,23 +209,40 @@ class Figures:
         return out
 
 
+ROBOTS_PER_THREAD = 1024
+"""Fewer are not worth waking a thread for: having acted, it spins for milliseconds (4 of them
+measured, in every control period) on a core that the physics wants."""
+
+
+@contextlib.contextmanager
+def acting(num_envs: int) -> Iterator[None]:
+    """Torch on as many threads as acting pays for; afterwards as before."""
+    threads = torch.get_num_threads()
+    torch.set_num_threads(min(threads, max(1, num_envs // ROBOTS_PER_THREAD)))
+    try:
+        yield
+    finally:
+        torch.set_num_threads(threads)
+
+
 def collect(alg: PPO, env: TorchEnv, obs: TensorDict, horizon: int) -> tuple[TensorDict, Figures]:
     """One rollout into the algorithm's storage; the next observations and its mean figures."""
     figures = Figures()
     with torch.inference_mode():
-        for _ in range(horizon):
-            actions = alg.act(obs)
-            raw, rewards, terminated, truncated, extras = env.env.step(actions.cpu().numpy())
-            figures.add(env.env, rewards, terminated, truncated, extras)
-            rewards = env.tensor(rewards.astype(np.float32))
-            if "final_ids" in extras:
-                # Time ran out, nothing failed: the return goes on with the value of what the
-                # robot last saw (rsl-rl itself would take the value of the state before).
-                last = env.tensors(extras["final_observation"], extras["final_privileged"])
-                value = alg.critic(last).squeeze(-1)
-                rewards[env.tensor(extras["final_ids"])] += alg.gamma * value
-            obs = env.tensors(raw, env.env.privileged())
-            dones = env.tensor(terminated | truncated).to(torch.uint8)
-            alg.process_env_step(obs, rewards, dones, {})
+        with acting(env.num_envs):
+            for _ in range(horizon):
+                actions = alg.act(obs)
+                raw, rewards, terminated, truncated, extras = env.env.step(actions.cpu().numpy())
+                figures.add(env.env, rewards, terminated, truncated, extras)
+                rewards = env.tensor(rewards.astype(np.float32))
+                if "final_ids" in extras:
+                    # Time ran out, nothing failed: the return goes on with the value of what the
+                    # robot last saw (rsl-rl itself would take the value of the state before).
+                    last = env.tensors(extras["final_observation"], extras["final_privileged"])
+                    value = alg.critic(last).squeeze(-1)
+                    rewards[env.tensor(extras["final_ids"])] += alg.gamma * value
+                obs = env.tensors(raw, env.env.privileged())
+                dones = env.tensor(terminated | truncated).to(torch.uint8)
+                alg.process_env_step(obs, rewards, dones, {})
         alg.compute_returns(obs)
     return obs, figures
