@@ -370,15 +370,7 @@ class ImitationEnv:
         half = np.stack([np.cos(turn / 2), 0 * turn, 0 * turn, np.sin(turn / 2)], axis=-1)
         anchored = spatial.quat_mul(half, ref_quat)
         root = np.concatenate([self.anchor_pos, bank.base_pos[m, f][:, 2:]], axis=1)
-        # The centre of mass along gravity onto the ground, seen from the trunk's origin.
-        g = self.world_gravity_direction()
-        drop = w.base_pos[:, 2:3] / np.maximum(-g[:, 2:], 0.2)
-        center = (g * drop)[:, :2]
-        c, s = np.cos(yaw)[:, None], np.sin(yaw)[:, None]
-        center = np.concatenate(
-            [c * center[:, :1] + s * center[:, 1:], -s * center[:, :1] + c * center[:, 1:]], 1
-        )
-        distance = reward.polygon_distance(center, feet[..., :2], bank.contact[m, f] > 0.5)
+        distance = self._off_support(feet, yaw)
         self.terms = {
             "pose": reward.pose(w.joint_pos, ref_joint, k.pose),
             "foot": reward.foot(feet, bank.feet[m, f], k.foot),
@@ -408,6 +400,17 @@ class ImitationEnv:
         leak = a1.CONTROL_DT / self.config.anchor_yaw_tau
         self.anchor_yaw = self.anchor_yaw + leak * spatial.wrap_angle(yaw - self.anchor_yaw)
         return reward.total(self.terms, k)
+
+    def _off_support(self, feet: Array, yaw: Array) -> Array:
+        """(N,) m by which the centre of mass is outside the feet that should stand, 0 for < 3."""
+        w, out = self.world, np.zeros(self.num_envs)
+        stands = self.bank.contact[self.motion, self.frame] > 0.5
+        ids = np.flatnonzero(stands.sum(axis=-1) >= reward.MIN_CONTACTS)
+        gravity = self.world_gravity_direction()[ids]
+        body = w.base_pos[ids], w.base_quat[ids], w.joint_pos[ids]
+        point = reward.support_point(*body, gravity, yaw[ids])
+        out[ids] = reward.polygon_distance(point, feet[ids, :, :2], stands[ids])
+        return out
 
     def world_gravity_direction(self) -> Array:
         """(N, 3) unit gravity in the frame of the ground."""

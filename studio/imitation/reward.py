@@ -10,7 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.imitation.odometry import turned
+from studio.robot import kinematics
+
 Array = NDArray[np.float64]
+MIN_CONTACTS = 3
+"""Feet below which nothing is asked of the centre of mass (the paper)."""
+_TRIANGLES = np.array([[0, 1, 2], [0, 1, 3], [0, 2, 3], [1, 2, 3]])
+_CORNERS = _TRIANGLES.T
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,34 +70,39 @@ def total(terms: dict[str, Array], config: RewardConfig) -> Array:
     return config.main_weight * main + config.acc_weight * terms["acc"]
 
 
+def support_point(
+    base_pos: Array, base_quat: Array, joint_pos: Array, gravity: Array, yaw: Array
+) -> Array:
+    """(N, 2) m: where the centre of mass comes down along gravity, from the trunk's origin.
+
+    base_pos (N, 3), base_quat (N, 4) and gravity (N, 3) of any length in the frame of the ground,
+    z = 0; the result in the frame turned by yaw (N,) rad, like `bank.heading_feet`.
+    """
+    center = kinematics.center_of_mass_b(joint_pos)[:, None]
+    center = kinematics.to_world(base_pos, base_quat, center)[:, 0]
+    return turned(kinematics.along_gravity(center, gravity) - base_pos[:, :2], -yaw)
+
+
 def polygon_distance(
-    point: Array, vertices: Array, used: NDArray[np.bool_], min_contacts: int = 3
+    point: Array, vertices: Array, used: NDArray[np.bool_], min_contacts: int = MIN_CONTACTS
 ) -> Array:
     """(N,) m from points (N, 2) to the hull of the used ones of (N, 4, 2), 0 inside.
 
     Vertices are the feet in the order FR, FL, RR, RL; those not `used` (N, 4) are left out. With
-    fewer than `min_contacts` the distance is defined as zero (the paper). The distance to the hull
-    of few points is the least over all segments between used ones, and zero inside any triangle.
+    fewer than `min_contacts` the distance is defined as zero (the paper).
     """
-    n = len(point)
-    best = np.full(n, np.inf)
-    for i in range(4):
-        for j in range(i + 1, 4):
-            edge = vertices[:, j] - vertices[:, i]
-            along = np.sum((point - vertices[:, i]) * edge, axis=-1)
-            s = np.clip(along / np.maximum(np.sum(edge**2, axis=-1), 1e-12), 0.0, 1.0)
-            gap = point - vertices[:, i] - s[:, None] * edge
-            d = np.hypot(gap[:, 0], gap[:, 1])
-            best = np.where(used[:, i] & used[:, j], np.minimum(best, d), best)
-    inside = np.zeros(n, dtype=bool)
-    for triangle in ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3)):
-        a, b, c = (vertices[:, k] - point for k in triangle)
-        turns = np.stack([_cross(a, b), _cross(b, c), _cross(c, a)], axis=-1)
-        within = np.all(turns >= 0.0, axis=-1) | np.all(turns <= 0.0, axis=-1)
-        inside |= within & used[:, list(triangle)].all(axis=-1)
-    enough = used.sum(axis=-1) >= min_contacts
-    return np.where(enough & ~inside, best, 0.0)
+    out = np.zeros(len(point))
+    rows = np.flatnonzero(used.sum(axis=-1) >= min_contacts)
+    # Most points lie inside one of the triangles, and need no distance to the segments.
+    a, b, c = (vertices[rows][:, corner] - point[rows, None] for corner in _CORNERS)
+    turns = np.stack([_cross(a, b), _cross(b, c), _cross(c, a)])
+    within = np.all(turns >= 0.0, axis=0) | np.all(turns <= 0.0, axis=0)
+    inside = np.any(within & used[rows][:, _TRIANGLES].all(axis=-1), axis=-1)
+    rows = rows[~inside]
+    if len(rows):
+        out[rows] = kinematics.support_distance(point[rows], vertices[rows], used[rows])
+    return out
 
 
 def _cross(a: Array, b: Array) -> Array:
-    return a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]

@@ -5,6 +5,7 @@ import pytest
 
 from studio.imitation import reward
 from studio.imitation.reward import RewardConfig
+from studio.robot import a1, kinematics
 
 
 def test_pose_term_is_exp_of_minus_the_sum_over_joints() -> None:
@@ -47,6 +48,26 @@ def test_support_distance_counts_only_where_three_contacts_are_asked_for() -> No
     vertices = np.array([[[0.2, -0.1], [0.2, 0.1], [-0.2, -0.1], [-0.2, 0.1]]])
     trot = np.array([[True, False, False, True]])
     assert reward.polygon_distance(np.array([[1.0, 1.0]]), vertices, trot) == 0.0
+
+
+def test_the_centre_of_mass_comes_down_along_gravity_seen_from_the_heading() -> None:
+    joints = a1.STAND_JOINT_POS[None]
+    x, y, z = kinematics.center_of_mass_b(joints[0])
+    assert x == pytest.approx(0.0, abs=0.02)  # and the trunk's origin is not where it is
+    assert abs(x) > 1e-3
+    # A trunk 0.3 m up, turned left by 90°: the centre lies at (−y, x) from it in the world, 0.3 + z
+    # over the ground. Gravity leans by 1 in 10 towards +x of the world, so it comes down another
+    # (0.3 + z) / 10 along x. In the robot's heading frame world (a, b) is (b, −a).
+    quat = np.array([[np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]])
+    gravity = np.array([[0.981, 0.0, -9.81]])
+    yaw = np.array([np.pi / 2])
+    point = reward.support_point(np.array([[5.0, -2.0, 0.3]]), quat, joints, gravity, yaw)
+    assert point[0] == pytest.approx([x, y - (0.3 + z) / 10.0])
+    # Pitched nose down by 90°, body z points forward: the centre comes down z ahead.
+    quat = np.array([[np.sqrt(0.5), 0.0, np.sqrt(0.5), 0.0]])
+    level = np.array([[0.0, 0.0, -1.0]])
+    point = reward.support_point(np.array([[0.0, 0.0, 0.3]]), quat, joints, level, np.zeros(1))
+    assert point[0] == pytest.approx([z, y])
 
 
 def test_support_term_squares_the_distance() -> None:
