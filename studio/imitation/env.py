@@ -31,6 +31,7 @@ Array = NDArray[np.float64]
 TRACKED_FOOT_M = 0.08
 TRACKED_TILT = np.deg2rad(15.0)
 PRIVILEGED_DIM = 65
+EVERYONE = slice(None)
 SELF_CHECK_EVERY = 15
 """Control periods between two looks at one robot for self-penetration: half a second."""
 
@@ -165,7 +166,7 @@ class ImitationEnv:
         if late.any():
             extras["final_ids"] = done[late]
             extras["final_observation"] = extras["ended_observation"][late]
-            extras["final_privileged"] = self.privileged()[done[late]]
+            extras["final_privileged"] = self.privileged(done[late])
         if len(done) and not self.config.evaluation:
             extras["episode_tracked_ratio"] = self.tracked[done] / np.maximum(
                 self.bank.frames - self.begin[done], 1
@@ -176,7 +177,7 @@ class ImitationEnv:
             self._reset(done)
         return self.observation(), rewards, terminated, truncated, extras
 
-    def observation(self, ids: NDArray[np.intp] | slice = slice(None)) -> NDArray[np.float32]:
+    def observation(self, ids: NDArray[np.intp] | slice = EVERYONE) -> NDArray[np.float32]:
         """(N, dim): what the policy sees now; or (n, dim), what those of `ids` see."""
         future = None
         if self.config.observation.future_kind == "true" and self.config.observation.future:
@@ -187,34 +188,35 @@ class ImitationEnv:
             future = self.bank.feature[motion, ahead].reshape(len(frame), -1)
         return self.history.observation(future, ids)
 
-    def privileged(self) -> NDArray[np.float32]:
-        """(N, PRIVILEGED_DIM): what only a critic may know."""
+    def privileged(self, ids: NDArray[np.intp] | slice = EVERYONE) -> NDArray[np.float32]:
+        """(n, PRIVILEGED_DIM): what only a critic may know, of robots `ids`."""
         w, bank = self.world, self.bank
-        c, s = np.cos(self.yaw), np.sin(self.yaw)
-        v = w.base_lin_vel_w
+        motion, frame, yaw = self.motion[ids], self.frame[ids], self.yaw_of(ids)
+        c, s = np.cos(yaw), np.sin(yaw)
+        v, pos = w.base_lin_vel_w[ids], w.base_pos[ids]
         forward = np.stack([c * v[:, 0] + s * v[:, 1], -s * v[:, 0] + c * v[:, 1], v[:, 2]], -1)
-        soon = np.minimum(self.frame + 3, bank.frames - 1)
-        reference = bank.joint_pos[self.motion, self.frame]
-        ahead = bank.joint_pos[self.motion, soon] - reference
-        feature = bank.feature[self.motion, self.frame]
-        later = bank.feature[self.motion, soon]
-        gap = self.anchor_pos - w.base_pos[:, :2]
+        soon = np.minimum(frame + 3, bank.frames - 1)
+        reference = bank.joint_pos[motion, frame]
+        ahead = bank.joint_pos[motion, soon] - reference
+        feature = bank.feature[motion, frame]
+        later = bank.feature[motion, soon]
+        gap = self.anchor_pos[ids] - pos[:, :2]
         local = np.stack([c * gap[:, 0] + s * gap[:, 1], -s * gap[:, 0] + c * gap[:, 1]], -1)
-        a = w.slope_axis
+        a = w.slope_axis[ids]
         slope = np.stack([c * a[:, 0] + s * a[:, 1], -s * a[:, 0] + c * a[:, 1]], -1)
         parts = [
             forward,
-            w.base_pos[:, 2:3],
+            pos[:, 2:3],
             local,
-            spatial.wrap_angle(self.anchor_yaw - self.yaw)[:, None],
-            reference - w.joint_pos,
+            spatial.wrap_angle(self.anchor_yaw[ids] - yaw)[:, None],
+            reference - w.joint_pos[ids],
             ahead,
-            w.joint_vel * 0.1,
+            w.joint_vel[ids] * 0.1,
             feature[:, 12:],
             later[:, 12:],
-            bank.contact[self.motion, soon],
-            w.dynamics_factors,
-            w.delay[:, None] * 60.0,
+            bank.contact[motion, soon],
+            w.dynamics_factors[ids],
+            w.delay[ids, None] * 60.0,
             10.0 * slope,
         ]
         return np.concatenate(parts, axis=1, dtype=np.float32)
@@ -229,7 +231,11 @@ class ImitationEnv:
     @property
     def yaw(self) -> Array:
         """(N,) rad heading of the levelled trunks."""
-        return heading_of(self.world.base_quat, self.level)
+        return self.yaw_of(EVERYONE)
+
+    def yaw_of(self, ids: NDArray[np.intp] | slice) -> Array:
+        """(n,) rad heading of the levelled trunks of robots `ids`."""
+        return heading_of(self.world.base_quat[ids], self.level)
 
     def _reset(self, ids: NDArray[np.intp]) -> None:
         n, bank, rng = len(ids), self.bank, self.rng
@@ -264,8 +270,7 @@ class ImitationEnv:
         self._noisy[ids] = self.noise.reset(ids, clean, self.config.noise_scale)
         if bank.seen is not None:
             self._noisy[ids] = bank.seen[m, self.frame[ids]]
-        contact = self._foot_sensors()[ids]
-        self.history.reset(ids, self._sensors()[ids], self._noisy[ids], contact)
+        self.history.reset(ids, self._sensors(ids), self._noisy[ids], self._foot_sensors(ids))
         if not self.config.evaluation:
             self._lead_astray(ids)
 
@@ -288,7 +293,7 @@ class ImitationEnv:
             size = self.rng.uniform(0.0, place, len(ids))
             local = size[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
             self.history.place_error[ids] = local
-            self.anchor_pos[ids] += turned(local, self.yaw[ids])
+            self.anchor_pos[ids] += turned(local, self.yaw_of(ids))
 
     def _reset_lowpass(self, ids: NDArray[np.intp], value: Array) -> None:
         where = np.zeros(self.num_envs, dtype=bool)
@@ -322,15 +327,16 @@ class ImitationEnv:
         kick = np.stack([size * np.cos(angle), size * np.sin(angle), np.zeros(len(ids))], axis=1)
         self.world.push(ids, kick)
 
-    def _sensors(self) -> Array:
-        """Noisy z (N, z) of every robot."""
+    def _sensors(self, ids: NDArray[np.intp] | slice = EVERYONE) -> Array:
+        """Noisy z (n, z) of robots `ids`."""
         w, k, rng = self.world, self.config.noise, self.rng
-        scale = self.curriculum.stage.randomisation
-        joints = w.joint_pos + self.bias[:, :12]
+        yaw_rate = self.config.observation.yaw_rate
+        scale, bias = self.curriculum.stage.randomisation, self.bias[ids]
+        joints = w.joint_pos[ids] + bias[:, :12]
         joints += scale * k.encoder * rng.standard_normal(joints.shape)
-        gyro = w.base_ang_vel_b + scale * k.gyro * rng.standard_normal((self.num_envs, 3))
-        z = sensor_frame(joints, w.imu_quat, gyro, self.level, self.config.observation.yaw_rate)
-        z[:, 12:14] += self.bias[:, 12:14]
+        gyro = w.base_ang_vel_b[ids] + scale * k.gyro * rng.standard_normal((len(joints), 3))
+        z = sensor_frame(joints, w.imu_quat[ids], gyro, self.level, yaw_rate)
+        z[:, 12:14] += bias[:, 12:14]
         return z
 
     def _sense(self) -> None:
@@ -338,12 +344,13 @@ class ImitationEnv:
         self._noisy = self.noise.step(bank.feature[at]) if bank.seen is None else bank.seen[at]
         self.history.push(self._sensors(), self._noisy, self._foot_sensors())
 
-    def _foot_sensors(self) -> Array:
-        """(N, 4) which feet touch the ground; only read where the place is held."""
-        if not self.config.observation.place_gain:
-            return np.zeros((self.num_envs, 4))
+    def _foot_sensors(self, ids: NDArray[np.intp] | slice = EVERYONE) -> Array:
+        """(n, 4) which feet touch the ground; only read where the place is held."""
         w = self.world
-        feet = kinematics.foot_pos_w(w.base_pos, w.base_quat, w.joint_pos)
+        pos = w.base_pos[ids]
+        if not self.config.observation.place_gain:
+            return np.zeros((len(pos), 4))
+        feet = kinematics.foot_pos_w(pos, w.base_quat[ids], w.joint_pos[ids])
         return (feet[..., 2] < a1.FOOT_RADIUS + CONTACT_GAP).astype(np.float64)
 
     def _advance_anchor(self) -> None:

@@ -49,9 +49,9 @@ def full_state(env: ImitationEnv) -> NDArray[np.float32]:
 class PrivilegedEnv(ImitationEnv):
     """The environment of a teacher in training: it observes the full state."""
 
-    def observation(self) -> NDArray[np.float32]:
-        """(N, FULL_STATE_DIM)"""
-        return full_state(self)
+    def observation(self, ids: NDArray[np.intp] | slice = slice(None)) -> NDArray[np.float32]:
+        """(n, FULL_STATE_DIM), of robots `ids`."""
+        return full_state(self)[ids]
 
 
 class LearnedTeacher:
