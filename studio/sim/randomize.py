@@ -1,6 +1,6 @@
 """Table I of the paper: how the dynamics of each simulation are drawn."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,8 @@ class Ranges:
 
 TABLE_I = Ranges()
 NOMINAL_FRICTION = 1.0
+STEEP = (0.75, 1.1)
+"""Shares of Table I's largest slope: beyond its end too, so that the end itself is met often."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,6 +74,17 @@ def draw(
         slope_axis=np.stack([np.cos(direction), np.sin(direction)], axis=-1) * slope[:, None],
         period=ranges.period * scale,
     )
+
+
+def steepened(
+    drawn: Dynamics, rng: np.random.Generator, share: float, scale: float = 1.0
+) -> Dynamics:
+    """The same dynamics with a share of the slopes redrawn, in any direction, from STEEP."""
+    chosen = rng.random(len(drawn)) < share
+    size = scale * TABLE_I.slope[1] * rng.uniform(*STEEP, len(drawn))
+    direction = rng.uniform(0.0, 2.0 * np.pi, len(drawn))
+    steep = np.stack([np.cos(direction), np.sin(direction)], axis=-1) * size[:, None]
+    return replace(drawn, slope_axis=np.where(chosen[:, None], steep, drawn.slope_axis))
 
 
 def gravity(slope_axis: Array, g: float = 9.81) -> Array:

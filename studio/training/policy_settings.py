@@ -34,8 +34,8 @@ class Recipe:
     distil: samples learnt from the teacher before PPO. Sitting, the teacher itself falls on slopes
     (success .88 against .99 of PPO's policy): it has no sense of balance, and four feet need none.
     heading_gain, place_gain: 1/s, see `observation.History`; only walking goes anywhere, and who
-    sits turns by 3.5 degrees, which is less than the reference's noise. init_heading: rad, see
-    EnvConfig.
+    sits turns by 3.5 degrees, which is less than the reference's noise. init_heading, steep:
+    see EnvConfig.
     anchor_tau, anchor_yaw_tau: s, see EnvConfig: walking at 0.5 s, a speed that is 0.08 m/s short
     costs 3 % of the reward, at 3 s 68 %; sitting at 0.5 s, nothing asks for a trunk that stays
     turned. noise_low: rad, least σ of the reference noise: a
@@ -49,6 +49,7 @@ class Recipe:
     distil: int = 800_000
     heading_gain: float = 0.0
     init_heading: float = 0.3
+    steep: float = 0.0
     place_gain: float = 0.0
     anchor_tau: float = 0.5
     anchor_yaw_tau: float = 0.5
@@ -68,6 +69,7 @@ RECIPES: dict[PolicyName, Recipe] = {
         anchor_yaw_tau=10.0,
         root_ori=80.0,
         unrest=0.3,
+        steep=0.4,
     ),
     "all": Recipe(),
 }
@@ -229,6 +231,7 @@ def make_environment(
         init_heading=recipe.init_heading if observation.heading_gain else 0.0,
         init_place=0.2 if observation.place_gain else 0.0,
         push=config.push,
+        steep=recipe.steep,
     )
     foresee = None
     if config.future == "predicted":

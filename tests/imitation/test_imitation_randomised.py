@@ -10,6 +10,7 @@ from studio.imitation.env import EnvConfig, ImitationEnv
 from studio.imitation.noise import NoiseConfig
 from studio.imitation.observation import roll_pitch
 from studio.robot import a1
+from studio.sim import randomize
 
 N, LOOKS = 400, 60
 NOISE = NoiseConfig()
@@ -129,3 +130,19 @@ def test_kicks_happen_within_a_step(bank: MotionBank) -> None:
         env.step(np.zeros((16, 12)))
         speeds.append(np.linalg.norm(env.world.base_lin_vel_w[:, :2], axis=1).mean())
     assert speeds[1] > speeds[0] + 0.3
+
+
+def test_steep_slopes_are_met_more_often_and_nothing_else_changes() -> None:
+    even = randomize.draw(np.random.default_rng(0), 4000, 3)
+    steep = randomize.steepened(even, np.random.default_rng(1), 0.4)
+    size = np.linalg.norm(steep.slope_axis, axis=1) / randomize.TABLE_I.slope[1]
+    changed = np.any(steep.slope_axis != even.slope_axis, axis=1)
+    assert changed.mean() == pytest.approx(0.4, abs=0.03)
+    low, high = randomize.STEEP
+    assert size[changed].min() >= low
+    assert size[changed].max() <= high
+    assert size[changed].max() > 1.05  # beyond the end
+    mean = steep.slope_axis[changed].mean(axis=0)
+    assert mean == pytest.approx([0.0, 0.0], abs=0.02)  # rad: every direction
+    assert np.array_equal(steep.mass, even.mass)
+    assert steep.period == even.period
