@@ -3,7 +3,6 @@
 Reads top to bottom: one iteration, what is kept, the run. Its settings are `policy_settings`.
 """
 
-import json
 import logging
 import subprocess
 import time
@@ -55,6 +54,7 @@ class PolicyTrainer:
         self.alg.train_mode()
         self.samples, self.seconds, self.iteration = 0, 0.0, 0
         self.warmup = 0
+        self.taught: dict[str, Any] | None = None  # by which teacher, for how many samples
         self.curve: list[dict[str, float]] = []
         self.obs = self.env.present()
 
@@ -64,12 +64,14 @@ class PolicyTrainer:
         env.curriculum.finish()
         env.restart()
         teacher = LearnedTeacher(self.config.teacher) if self.config.teacher else None
+        by = "analytic" if teacher is None else "learned"
         distiller = Distiller(self.alg, env, crew=self.crew, teacher=teacher)
         each = env.num_envs * distiller.config.horizon * self.crew.size
         while self.samples < lessons:
             began = time.perf_counter()
             figures = distiller.lesson(self.samples / lessons)
             self.samples += each
+            self.taught = {"by": by, "samples": self.samples}
             self.seconds += time.perf_counter() - began
             figures["samples_per_second"] = each / (time.perf_counter() - began)
             figures["joint_rmse_deg"] = float(np.rad2deg(np.sqrt(figures.pop("joint_sq"))))
@@ -144,7 +146,9 @@ class PolicyTrainer:
         tensors |= checkpoint.flatten_optimizer(self.alg.optimizer)
         tensors |= random_states(self.env.device)
         facts = {
-            "config": json.loads(json.dumps(asdict(self.config), default=str)),
+            # Without where things lay on the machine that ran it.
+            "config": {k: v for k, v in asdict(self.config).items() if not isinstance(v, Path)},
+            "taught": self.taught,
             "samples": self.samples,
             "seconds": self.seconds,
             "iteration": self.iteration,
@@ -177,6 +181,8 @@ class PolicyTrainer:
         if self.warmup and self.warmup == facts["config"]["warmup"]:  # not begun: as asked now
             self.warmup = self.config.warmup
         self.samples, self.seconds = int(facts["samples"]), float(facts["seconds"])
+        analytic = {"by": "analytic", "samples": self.config.lessons}
+        self.taught = facts.get("taught", analytic if self.config.lessons else None)
         self.iteration, self.curve = int(facts["iteration"]), list(facts["curve"])
         self.env.env.curriculum.load(facts["curriculum"])
         self.env.env.restart()
@@ -215,9 +221,11 @@ class PolicyTrainer:
             seed=config.seed,
             commit=commit(),
             # what was really learnt from the teacher, whatever the recipe would have
-            recipe=asdict(replace(config.made_by, distil=config.lessons)),
-            lessons=config.lessons,
-            teacher="learned" if config.teacher else "analytic" if config.lessons else None,
+            recipe=asdict(
+                replace(config.made_by, distil=self.taught["samples"] if self.taught else 0)
+            ),
+            lessons=self.taught["samples"] if self.taught else 0,
+            teacher=self.taught["by"] if self.taught else None,
             curriculum=config.curriculum,
             randomise=config.randomise,
             preset=config.preset,

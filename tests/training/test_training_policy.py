@@ -256,6 +256,12 @@ def test_a_privileged_run_leaves_a_teacher_that_another_learns_from(
     assert done["samples"] >= 384
     manifest = json.loads(Path("runs/policy-sit/policy.json").read_text())
     assert (manifest["lessons"], manifest["teacher"]) == (384, "learned")
+    facts = checkpoint.load(Path("runs/policy-sit/checkpoint.safetensors"))[1]
+    assert str(weights) not in json.dumps(facts)  # what lay where is nobody else's business
+    # Gone on with, without the teacher: the sidecar still says who taught.
+    run_train_policy(PolicyTraining(resume=True, distil=384, samples=480, **small))  # type: ignore[arg-type]
+    manifest = json.loads(Path("runs/policy-sit/policy.json").read_text())
+    assert (manifest["samples"], manifest["teacher"]) == (480, "learned")
 
 
 def test_a_teacher_is_not_published_and_wants_samples_to_teach_in() -> None:
