@@ -269,3 +269,26 @@ def test_a_teacher_is_not_published_and_wants_samples_to_teach_in() -> None:
         PolicyTraining(state="sit", privileged=True, publish=True)
     with pytest.raises(StudioError, match="--distil"):
         PolicyTraining(state="sit", teacher=Path("teacher.safetensors"))
+
+
+@pytest.mark.slow
+def test_ppo_alone_learns_to_keep_a_sitting_robot_up() -> None:
+    """No teacher, full Table I: PD playback tips over on slopes, 60,000 samples later less so."""
+    bank = build_bank("sit", per_task=4, seconds=4.0, difficulties=(1.0,))
+    stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=1.0)
+    env = ImitationEnv(
+        EnvConfig(num_envs=64, threads=1), bank, seed=1, curriculum=Curriculum(ladder=[stage])
+    )
+    ppo = PpoConfig(mirror=False, minibatch=384)
+    alone = PolicyTrainer(
+        PolicyTraining(state="sit", num_envs=64, threads=1, distil=0, seed=1, ppo=ppo), env
+    )
+    figures = [alone.step() for _ in range(40)]
+    first, last = figures[:5], figures[-5:]
+
+    def mean(part: list[dict[str, float]], name: str) -> float:
+        return float(np.mean([f[name] for f in part if name in f]))
+
+    assert mean(last, "tracked_time_ratio") > mean(first, "tracked_time_ratio") + 0.15
+    assert mean(last, "fall_rate") < 0.85 * mean(first, "fall_rate")
+    assert mean(last, "reward") > mean(first, "reward") + 0.04
