@@ -12,7 +12,8 @@ import numpy as np
 
 from studio.errors import StudioError
 from studio.imitation.bank import build_bank
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.reference.stances import NEUTRAL
 from studio.retarget.store import load_experts
 from studio.robot.a1 import CONTROL_DT

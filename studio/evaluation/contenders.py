@@ -11,7 +11,8 @@ from pathlib import Path
 
 from studio.imitation import episodes as simulate
 from studio.imitation.bank import MotionBank, relevelled
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.imitation.observation import Foresee
 from studio.imitation.policy import MODELS, Policy
 from studio.reference.intent import StateName

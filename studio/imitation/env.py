@@ -1,84 +1,29 @@
 """The vectorised environment: actions (N, 12) → observations, rewards, ends, over sim.batch."""
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
-from studio.imitation import reward, termination
-from studio.imitation.action import ActionConfig, clip_action, pd_target
-from studio.imitation.bank import MotionBank, heading_feet
+from studio.imitation.action import clip_action, pd_target
+from studio.imitation.bank import MotionBank
 from studio.imitation.curriculum import Curriculum, stages
-from studio.imitation.noise import NoiseConfig, ReferenceNoise
-from studio.imitation.observation import (
-    Foresee,
-    History,
-    ObservationConfig,
-    heading_of,
-    level_quat,
-    sensor_frame,
-)
+from studio.imitation.env_config import EnvConfig
+from studio.imitation.noise import ReferenceNoise
+from studio.imitation.observation import Foresee, History, sensor_frame
 from studio.imitation.odometry import CONTACT_GAP, turned
-from studio.imitation.reward import RewardConfig
+from studio.imitation.robots import EVERYONE, Robots, TrackingRobots
 from studio.robot import a1, kinematics
 from studio.sim import randomize
 from studio.sim.actuation import LowPass, limit_target
-from studio.sim.batch import BatchConfig, BatchWorld
 
 Array = NDArray[np.float64]
-TRACKED_FOOT_M = 0.08
-TRACKED_TILT = np.deg2rad(15.0)
-PRIVILEGED_DIM = 65
-EVERYONE = slice(None)
-SELF_CHECK_EVERY = 15
-"""Control periods between two looks at one robot for self-penetration: half a second."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class EnvConfig:
-    """One environment's settings, saved beside the weights trained in it.
-
-    anchor_tau, anchor_yaw_tau: s, leak of the re-anchored root's place and heading. leg_contact:
-    calves and thighs touch the floor, None for where the bank needs it. push: m/s, largest kick, at
-    full randomisation, and push_every its mean interval in s. noise_scale: of reference noise.
-    init_first: share of the episodes that begin with a motion's first frame. init_speed (m/s),
-    init_spin (rad/s): of half of the trunks at the start, on top of the reference's.
-    init_heading (rad), init_place (m): how far off its way a robot may begin, so that a policy that
-    holds them learns to steer: its own errors are small and seldom.
-    steep: share of the episodes on slopes of STEEP of Table I's largest, which an even draw seldom
-    meets and a sitting robot falls on.
-    evaluation: motions in order from their first frame, no kicks, and nobody begins anew: whatever
-    a controller does, it meets the same references, dynamics and noise.
-    """
-
-    num_envs: int = 512
-    threads: int = 0
-    observation: ObservationConfig = field(default_factory=ObservationConfig)
-    action: ActionConfig = field(default_factory=ActionConfig)
-    reward: RewardConfig = field(default_factory=RewardConfig)
-    noise: NoiseConfig = field(default_factory=NoiseConfig)
-    noise_scale: float = 1.0
-    anchor_tau: float = 0.5
-    anchor_yaw_tau: float = 0.5
-    leg_contact: bool | None = None
-    push: float = 0.4
-    push_every: float = 4.0
-    init_joint_noise: float = 0.03
-    init_first: float = 0.0
-    init_speed: float = 0.0
-    init_spin: float = 0.0
-    init_heading: float = 0.0
-    init_place: float = 0.0
-    steep: float = 0.0
-    evaluation: bool = False
-
-
-class ImitationEnv:
+class ImitationEnv(TrackingRobots):
     """N robots that track references of one bank; one thread only.
 
-    After `step`, `metrics` holds this step's per-robot figures (see `_measure`).
+    After `step`, `metrics` holds this step's per-robot figures.
     """
 
     def __init__(
@@ -90,34 +35,20 @@ class ImitationEnv:
         foresee: Foresee | None = None,
     ) -> None:
         n = config.num_envs
-        self.config, self.bank, self.num_envs = config, bank, n
-        self.foresee = foresee
         self.rng = np.random.default_rng(seed)
-        legs = bank.leg_contact if config.leg_contact is None else config.leg_contact
-        self.world = BatchWorld(
-            BatchConfig(num_envs=n, threads=config.threads, leg_contact=legs),
-            seed=int(self.rng.integers(2**31)),
-        )
+        super().__init__(config, bank, int(self.rng.integers(2**31)))
+        self.foresee = foresee
         self.curriculum = curriculum or Curriculum(ladder=stages(bank.tasks))
-        self.level = np.array(level_quat(bank.state))
         self.neutral = neutral_joints(bank)
         self.history = History(n, config.observation, foresee)
         self.noise = ReferenceNoise(n, config.noise, self.rng)
         self.lowpass = LowPass(config.action.cutoff_hz)
         self.lowpass.reset(np.zeros((n, 12)))
-        self.motion = np.zeros(n, dtype=np.intp)
-        self.frame = np.zeros(n, dtype=np.intp)
         self.begin = np.zeros(n, dtype=np.intp)
-        self.anchor_pos = np.zeros((n, 2))
-        self.anchor_yaw = np.zeros(n)
         self.tracked = np.zeros(n)
-        self.last_vel = np.zeros((n, 12))
         self.bias = np.zeros((n, 14))
-        self.metrics: dict[str, Array] = {}
-        self.terms: dict[str, Array] = {}
         self._noisy = np.zeros((n, 18))
         self._choices = bank.choices(self.curriculum.stage)
-        self._turn = 0
 
     # ── one step ────────────────────────────────────────────────────────────────────────────
 
@@ -180,7 +111,7 @@ class ImitationEnv:
             self._reset(done)
         return self.observation(), rewards, terminated, truncated, extras
 
-    def observation(self, ids: NDArray[np.intp] | slice = EVERYONE) -> NDArray[np.float32]:
+    def observation(self, ids: Robots = EVERYONE) -> NDArray[np.float32]:
         """(N, dim): what the policy sees now; or (n, dim), what those of `ids` see."""
         future = None
         if self.config.observation.future_kind == "true" and self.config.observation.future:
@@ -191,54 +122,12 @@ class ImitationEnv:
             future = self.bank.feature[motion, ahead].reshape(len(frame), -1)
         return self.history.observation(future, ids)
 
-    def privileged(self, ids: NDArray[np.intp] | slice = EVERYONE) -> NDArray[np.float32]:
-        """(n, PRIVILEGED_DIM): what only a critic may know, of robots `ids`."""
-        w, bank = self.world, self.bank
-        motion, frame, yaw = self.motion[ids], self.frame[ids], self.yaw_of(ids)
-        c, s = np.cos(yaw), np.sin(yaw)
-        v, pos = w.base_lin_vel_w[ids], w.base_pos[ids]
-        forward = np.stack([c * v[:, 0] + s * v[:, 1], -s * v[:, 0] + c * v[:, 1], v[:, 2]], -1)
-        soon = np.minimum(frame + 3, bank.frames - 1)
-        reference = bank.joint_pos[motion, frame]
-        ahead = bank.joint_pos[motion, soon] - reference
-        feature = bank.feature[motion, frame]
-        later = bank.feature[motion, soon]
-        gap = self.anchor_pos[ids] - pos[:, :2]
-        local = np.stack([c * gap[:, 0] + s * gap[:, 1], -s * gap[:, 0] + c * gap[:, 1]], -1)
-        a = w.slope_axis[ids]
-        slope = np.stack([c * a[:, 0] + s * a[:, 1], -s * a[:, 0] + c * a[:, 1]], -1)
-        parts = [
-            forward,
-            pos[:, 2:3],
-            local,
-            spatial.wrap_angle(self.anchor_yaw[ids] - yaw)[:, None],
-            reference - w.joint_pos[ids],
-            ahead,
-            w.joint_vel[ids] * 0.1,
-            feature[:, 12:],
-            later[:, 12:],
-            bank.contact[motion, soon],
-            w.dynamics_factors[ids],
-            w.delay[ids, None] * 60.0,
-            10.0 * slope,
-        ]
-        return np.concatenate(parts, axis=1, dtype=np.float32)
-
     @property
     def noisy_joint_pos(self) -> Array:
         """(N, 12) rad, the reference's joints as the policy sees them now."""
         return self._noisy[:, :12]
 
     # ── inside ──────────────────────────────────────────────────────────────────────────────
-
-    @property
-    def yaw(self) -> Array:
-        """(N,) rad heading of the levelled trunks."""
-        return self.yaw_of(EVERYONE)
-
-    def yaw_of(self, ids: NDArray[np.intp] | slice) -> Array:
-        """(n,) rad heading of the levelled trunks of robots `ids`."""
-        return heading_of(self.world.base_quat[ids], self.level)
 
     def _reset(self, ids: NDArray[np.intp]) -> None:
         n, bank, rng = len(ids), self.bank, self.rng
@@ -332,7 +221,7 @@ class ImitationEnv:
         kick = np.stack([size * np.cos(angle), size * np.sin(angle), np.zeros(len(ids))], axis=1)
         self.world.push(ids, kick)
 
-    def _sensors(self, ids: NDArray[np.intp] | slice = EVERYONE) -> Array:
+    def _sensors(self, ids: Robots = EVERYONE) -> Array:
         """Noisy z (n, z) of robots `ids`."""
         w, k, rng = self.world, self.config.noise, self.rng
         yaw_rate = self.config.observation.yaw_rate
@@ -349,7 +238,7 @@ class ImitationEnv:
         self._noisy = self.noise.step(bank.feature[at]) if bank.seen is None else bank.seen[at]
         self.history.push(self._sensors(), self._noisy, self._foot_sensors())
 
-    def _foot_sensors(self, ids: NDArray[np.intp] | slice = EVERYONE) -> Array:
+    def _foot_sensors(self, ids: Robots = EVERYONE) -> Array:
         """(n, 4) which feet touch the ground; only read where the place is held."""
         w = self.world
         pos = w.base_pos[ids]
@@ -357,88 +246,6 @@ class ImitationEnv:
             return np.zeros((len(pos), 4))
         feet = kinematics.foot_pos_w(pos, w.base_quat[ids], w.joint_pos[ids])
         return (feet[..., 2] < a1.FOOT_RADIUS + CONTACT_GAP).astype(np.float64)
-
-    def _advance_anchor(self) -> None:
-        """Move the anchored reference by the reference's own velocity of this period."""
-        yaw_rate, forward, left = self.bank.feature[self.motion, self.frame][:, 15:18].T
-        self.anchor_yaw = self.anchor_yaw + yaw_rate * a1.CONTROL_DT
-        c, s = np.cos(self.anchor_yaw), np.sin(self.anchor_yaw)
-        move = np.stack([c * forward - s * left, s * forward + c * left], axis=-1)
-        self.anchor_pos = self.anchor_pos + move * a1.CONTROL_DT
-
-    def _measure(self) -> Array:
-        """Terms, metrics and reward of the period that just passed, against the clean reference.
-
-        Afterwards the anchor leaks towards the robot, because no sensor of the policy knows its
-        x, y and yaw for long.
-        """
-        w, bank, k = self.world, self.bank, self.config.reward
-        m, f = self.motion, self.frame
-        yaw = self.yaw
-        quat, ref_quat = w.base_quat, bank.base_quat[m, f]
-        ref_joint = bank.joint_pos[m, f]
-        feet = heading_feet(w.joint_pos, quat, yaw)
-        turn = self.anchor_yaw - bank.yaw[m, f]
-        half = np.stack([np.cos(turn / 2), 0 * turn, 0 * turn, np.sin(turn / 2)], axis=-1)
-        anchored = spatial.quat_mul(half, ref_quat)
-        root = np.concatenate([self.anchor_pos, bank.base_pos[m, f][:, 2:]], axis=1)
-        distance = self._off_support(feet, yaw)
-        self.terms = {
-            "pose": reward.pose(w.joint_pos, ref_joint, k.pose),
-            "foot": reward.foot(feet, bank.feet[m, f], k.foot),
-            "root_pos": reward.root_pos(w.base_pos, root, k.root_pos),
-            "root_ori": reward.root_ori(spatial.quat_angle(anchored, quat), k.root_ori),
-            "support": reward.support(distance, k.support),
-            "acc": reward.acc(w.joint_vel, self.last_vel, a1.CONTROL_DT, k.acc),
-        }
-        self.last_vel = np.array(w.joint_vel)
-        tilt = termination.tilt_error(quat, ref_quat)
-        foot_error = np.linalg.norm(feet - bank.feet[m, f], axis=-1).mean(axis=-1)
-        v, ref = w.base_lin_vel_w, bank.feature[m, f]
-        cy, sy = np.cos(yaw), np.sin(yaw)
-        dv = np.stack([cy * v[:, 0] + sy * v[:, 1], -sy * v[:, 0] + cy * v[:, 1]], -1)
-        rate = spatial.quat_rotate(quat, w.base_ang_vel_b)[:, 2]
-        self.metrics = {
-            "joint_sq": np.mean((w.joint_pos - ref_joint) ** 2, axis=-1),
-            "foot_error": foot_error,
-            "tilt_error": tilt,
-            "height_error": np.abs(w.base_pos[:, 2] - bank.base_pos[m, f][:, 2]),
-            "velocity_error": np.linalg.norm(dv - ref[:, 16:18], axis=-1),
-            "yaw_rate_error": np.abs(rate - ref[:, 15]),
-            "tracked": ((foot_error < TRACKED_FOOT_M) & (tilt < TRACKED_TILT)).astype(float),
-        }
-        leak = a1.CONTROL_DT / self.config.anchor_tau
-        self.anchor_pos = self.anchor_pos + leak * (w.base_pos[:, :2] - self.anchor_pos)
-        leak = a1.CONTROL_DT / self.config.anchor_yaw_tau
-        self.anchor_yaw = self.anchor_yaw + leak * spatial.wrap_angle(yaw - self.anchor_yaw)
-        return reward.total(self.terms, k)
-
-    def _off_support(self, feet: Array, yaw: Array) -> Array:
-        """(N,) m by which the centre of mass is outside the feet that should stand, 0 for < 3."""
-        w, out = self.world, np.zeros(self.num_envs)
-        stands = self.bank.contact[self.motion, self.frame] > 0.5
-        ids = np.flatnonzero(stands.sum(axis=-1) >= reward.MIN_CONTACTS)
-        gravity = self.world_gravity_direction()[ids]
-        body = w.base_pos[ids], w.base_quat[ids], w.joint_pos[ids]
-        point = reward.support_point(*body, gravity, yaw[ids])
-        out[ids] = reward.polygon_distance(point, feet[ids, :, :2], stands[ids])
-        return out
-
-    def world_gravity_direction(self) -> Array:
-        """(N, 3) unit gravity in the frame of the ground."""
-        return randomize.gravity(self.world.slope_axis, 1.0)
-
-    def _ended(self) -> NDArray[np.bool_]:
-        w = self.world
-        reference = self.bank.base_quat[self.motion, self.frame]
-        ended = termination.fallen(w.base_pos, w.base_quat, reference)
-        ended |= ~np.isfinite(w.qpos).all(axis=-1)
-        # Links through links: as dear as the physics itself, so each robot is looked at in turn.
-        self._turn = (self._turn + 1) % SELF_CHECK_EVERY
-        some = slice(self._turn, None, SELF_CHECK_EVERY)
-        if len(ended[some]):
-            ended[some] |= termination.self_penetrating(w.joint_pos[some])
-        return ended
 
 
 def neutral_joints(bank: MotionBank) -> Array:

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from studio.imitation.bank import MotionBank
 from studio.imitation.curriculum import Curriculum, Stage
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.imitation.observation import Foresee
 from studio.imitation.policy import Policy
 from studio.robot import a1, kinematics

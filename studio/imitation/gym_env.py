@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 from studio.imitation.action import ACTION_CLIP
 from studio.imitation.bank import build_bank
 from studio.imitation.curriculum import Curriculum, stages
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.reference.intent import StateName
 
 

@@ -16,9 +16,10 @@ from safetensors.numpy import load_file
 from studio import spatial
 from studio.errors import StudioError
 from studio.imitation.action import ACTION_CLIP
-from studio.imitation.env import PRIVILEGED_DIM, ImitationEnv
+from studio.imitation.env import ImitationEnv
 from studio.imitation.observation import roll_pitch
 from studio.imitation.policy import Network
+from studio.imitation.robots import EVERYONE, PRIVILEGED_DIM, Robots
 
 Array = NDArray[np.float64]
 LATER = 6
@@ -49,7 +50,7 @@ def full_state(env: ImitationEnv) -> NDArray[np.float32]:
 class PrivilegedEnv(ImitationEnv):
     """The environment of a teacher in training: it observes the full state."""
 
-    def observation(self, ids: NDArray[np.intp] | slice = slice(None)) -> NDArray[np.float32]:
+    def observation(self, ids: Robots = EVERYONE) -> NDArray[np.float32]:
         """(n, FULL_STATE_DIM), of robots `ids`."""
         return full_state(self)[ids]
 

@@ -11,7 +11,8 @@ from studio.imitation import foresight
 from studio.imitation.action import ActionConfig, ActionMode
 from studio.imitation.bank import MotionBank, build_bank, merged
 from studio.imitation.curriculum import Curriculum, stages
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.imitation.noise import NoiseConfig
 from studio.imitation.observation import FutureKind, ObservationConfig
 from studio.imitation.privileged import PrivilegedEnv

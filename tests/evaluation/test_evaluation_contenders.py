@@ -11,7 +11,7 @@ from studio.evaluation.contenders import contender, trained
 from studio.evaluation.kicks import run_kicks
 from studio.evaluation.transitions import crossings_from, in_charge, run_transitions
 from studio.imitation.bank import build_bank
-from studio.imitation.env import EnvConfig
+from studio.imitation.env_config import EnvConfig
 from studio.imitation.policy import MODELS, Policy, save_policy
 from studio.reference.intent import STATES
 from studio.training.policy import PolicyTrainer

@@ -9,7 +9,8 @@ import torch
 from studio.imitation.action import clip_action, pd_target
 from studio.imitation.bank import MotionBank, build_bank
 from studio.imitation.curriculum import Curriculum, Stage
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.imitation.noise import NoiseConfig
 from studio.imitation.odometry import CONTACT_GAP
 from studio.imitation.policy import MODELS, Policy

@@ -10,7 +10,8 @@ import pytest
 from studio import spatial
 from studio.imitation.bank import MotionBank, build_bank, task_names, warp
 from studio.imitation.curriculum import Curriculum, Stage, stages
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.imitation.episodes import evaluation_env, pd_playback, run_episodes, stand_still
 from studio.imitation.noise import NoiseConfig
 from studio.imitation.observation import ObservationConfig

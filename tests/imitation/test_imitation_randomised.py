@@ -6,7 +6,8 @@ import pytest
 from studio import spatial
 from studio.imitation.bank import MotionBank, build_bank
 from studio.imitation.curriculum import Curriculum, Stage
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.imitation.noise import NoiseConfig
 from studio.imitation.observation import roll_pitch
 from studio.robot import a1

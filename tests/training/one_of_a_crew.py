@@ -12,7 +12,8 @@ import numpy as np
 
 from studio.imitation.bank import build_bank
 from studio.imitation.curriculum import Curriculum, stages
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.training.parallel import SEED_STEP, join, leave
 from studio.training.policy import PolicyTrainer
 from studio.training.policy_settings import PolicyTraining

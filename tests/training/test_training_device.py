@@ -8,7 +8,8 @@ import torch
 from studio.errors import StudioError
 from studio.imitation.bank import MotionBank, build_bank
 from studio.imitation.curriculum import Curriculum, Stage
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.training.device import check_device, devices
 from studio.training.policy import PolicyTrainer
 from studio.training.policy_settings import PolicyTraining

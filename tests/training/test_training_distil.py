@@ -6,7 +6,8 @@ import pytest
 from studio import spatial
 from studio.imitation.bank import MotionBank, build_bank
 from studio.imitation.curriculum import Curriculum, Stage
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.imitation.teacher import TeacherConfig, load_torque, teacher_action
 from studio.robot import a1, kinematics
 from studio.training.distil import DistilConfig, Distiller

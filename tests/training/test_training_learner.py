@@ -10,7 +10,8 @@ from rsl_rl.modules import EmpiricalNormalization
 
 from studio.imitation.bank import MotionBank, build_bank
 from studio.imitation.curriculum import Curriculum, Stage
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.training.layers import Layers
 from studio.training.learner import Learner, follow, surrogate, value_loss
 from studio.training.ppo import PpoConfig, TorchEnv, acting, collect, make_algorithm

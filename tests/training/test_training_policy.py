@@ -12,7 +12,8 @@ from tensordict import TensorDict
 from studio.errors import StudioError
 from studio.imitation.bank import MotionBank, build_bank
 from studio.imitation.curriculum import Curriculum, Stage
-from studio.imitation.env import EnvConfig, ImitationEnv
+from studio.imitation.env import ImitationEnv
+from studio.imitation.env_config import EnvConfig
 from studio.imitation.policy import Policy, save_policy
 from studio.training import checkpoint
 from studio.training.policy import PolicyTrainer, PolicyTraining, run_train_policy
