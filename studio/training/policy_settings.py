@@ -94,8 +94,8 @@ class PolicyTraining:
 
     curriculum, randomise, yaw_rate, action, future: what the ablations switch; future: give the
     policy its reference 0.1, 0.2 and 0.3 s ahead, foreseen or true. gate, patience: see Curriculum.
-    crossings: motions out of each other state a difficulty, 0 for none. people: whose walking, as
-    the mapper retargets it, joins the library's for the walking expert. push: m/s, the largest
+    crossings: motions out of each other state a difficulty, 0 for none. people: whose motions,
+    as the mapper retargets them, join the library's for walking and sitting. push: m/s, the largest
     kick (EnvConfig). clean: share of the episodes whose reference has no noise.
 
     recipe: of the state, None for its own. distil: samples learnt from a teacher before PPO, None
@@ -191,9 +191,9 @@ def make_bank(config: PolicyTraining, cache: Path | None = BANKS) -> MotionBank:
         )
         for state in states
     ]
-    if config.state == "walk":
-        return with_people(banks[0], config.people, config.seed)
-    return banks[0] if len(banks) == 1 else merged(banks, config.level)
+    if len(banks) > 1:
+        return merged(banks, config.level)
+    return with_people(banks[0], config.people, config.seed)
 
 
 def make_environment(

@@ -1,9 +1,13 @@
-"""Synthetic people walking, through the mapper → reference motions as a policy meets them live.
+"""Synthetic people, through the mapper → reference motions as a policy meets them live.
 
 A library motion is what a mapper should have said; what it says is rougher: strides uneven, swings
 quick, speed and joints not quite of one mind. A policy that has met only the former falls over the
-latter. The robot stands still meanwhile: nothing it does comes back to the person.
+latter. And who holds the robot in a state may do anything meanwhile: a person who marches in front
+of a robot that is locked to sit makes it twitch in time, which tipped one over that had not met it.
+The robot stands still meanwhile: nothing it does comes back to the person.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -11,52 +15,74 @@ from studio.imitation.bank import MotionBank, assemble, merged
 from studio.mocap import open_source, poses
 from studio.orders import PuppeteerConfig
 from studio.puppeteer import Puppeteer
+from studio.reference.intent import StateName
 from studio.reference.motion import ReferenceMotion
 from studio.robot import a1
 from studio.robot.pose import ReferencePose
 
-TASKS = ("walk", "turn")
-STYLES = ("march", "circles")
+
+@dataclass(frozen=True, kw_only=True)
+class Acted:
+    """What people do while a state's expert is in charge, in each style; lock: of the state."""
+
+    tasks: tuple[str, ...]
+    styles: tuple[str, ...]
+    lock: str
+
+
+ACTED: dict[str, Acted] = {
+    "walk": Acted(tasks=("walk", "turn"), styles=("march", "circles"), lock="auto"),
+    "sit": Acted(
+        tasks=("march", "walk", "tilt", "sit_tilt", "sit_manipulate"), styles=("march",), lock="sit"
+    ),
+}
+"""States whose policies meet people in training."""
 SECONDS = 26.0
-"""Of each person: the way into walking, and two motions of ten seconds."""
+"""Of each person: the way into the state, and two motions of ten seconds."""
 TASK = "retargeted"
 
 
-def walking_bank(people: int, seed: int, frames: int = 301) -> MotionBank:
+def acted_bank(state: StateName, people: int, seed: int, frames: int = 301) -> MotionBank:
     """Motions of `people` people a task and style, their references cut to `frames` periods."""
     motions = []
-    for style in STYLES:
-        for task in TASKS:
+    acted = ACTED[state]
+    for style in acted.styles:
+        for task in acted.tasks:
             for k in range(people):
-                for told in _references(task, style, 1000 * seed + k):
+                for told in _references(state, task, style, 1000 * seed + k):
                     cuts = range(0, len(told) - frames + 1, frames)
-                    motions += [_motion(told[i : i + frames]) for i in cuts]
-    return assemble("walk", (TASK,), motions, [1.0] * len(motions))
+                    motions += [_motion(state, told[i : i + frames]) for i in cuts]
+    return assemble(state, (TASK,), motions, [1.0] * len(motions))
 
 
 def with_people(bank: MotionBank, people: int, seed: int) -> MotionBank:
-    """A walking bank, and what mappers make of people on top, at full difficulty."""
-    return merged([bank, walking_bank(people, seed, bank.frames)], "walk") if people else bank
+    """A state's bank, and what mappers make of people on top, at full difficulty."""
+    if not people or bank.state not in ACTED:
+        return bank
+    return merged([bank, acted_bank(bank.state, people, seed, bank.frames)], bank.state)
 
 
-def _references(task: str, style: str, seed: int) -> list[list[ReferencePose]]:
-    """What the controller tracks while its walking expert is in charge, stretch by stretch."""
-    puppeteer = Puppeteer(PuppeteerConfig(style=style, controller="stand_still", seed=seed))
+def _references(state: StateName, task: str, style: str, seed: int) -> list[list[ReferencePose]]:
+    """What the controller tracks while the state's expert is in charge, stretch by stretch."""
+    lock = ACTED[state].lock
+    puppeteer = Puppeteer(
+        PuppeteerConfig(style=style, state=lock, controller="stand_still", seed=seed)
+    )
     stretches: list[list[ReferencePose]] = [[]]
     ticks = round(SECONDS * a1.CONTROL_HZ)
     source = open_source(f"operator:{task}", seed=seed, style=style)
     for _, pose in zip(range(ticks), poses(source)):
         tick = puppeteer.step(pose)
-        if tick.state == "walk" or (tick.state == "transition" and tick.transition_to == "walk"):
+        if tick.state == state or (tick.state == "transition" and tick.transition_to == state):
             stretches[-1].append(tick.reference)
         elif stretches[-1]:
             stretches.append([])
     return stretches
 
 
-def _motion(told: list[ReferencePose]) -> ReferenceMotion:
+def _motion(state: StateName, told: list[ReferencePose]) -> ReferenceMotion:
     return ReferenceMotion(
-        state="walk",
+        state=state,
         task=TASK,
         dt=a1.CONTROL_DT,
         base_pos=np.stack([pose.base_pos for pose in told]),
