@@ -8,7 +8,13 @@ from studio import carried as room
 from studio.carried import carried
 
 ROOT = Path(__file__).resolve().parents[1]
-STAYS = {"models/policy/checkpoints", "models/mapper", "models", "web_assets/screenshots"}
+STAYS = {
+    "models/policy/checkpoints",
+    "models/policy/teachers",
+    "models/mapper",
+    "models",
+    "web_assets/screenshots",
+}
 
 
 def listed() -> set[str]:

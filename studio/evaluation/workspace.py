@@ -98,13 +98,13 @@ def draw_chart(out: tyro.conf.Positional[Path], episodes: int = 64, seed: int = 
         axis.set_aspect("equal")
         axis.grid(alpha=0.3)
         axis.spines[["top", "right"]].set_visible(False)
-    axes[0].legend(loc="upper left", fontsize=9)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="lower center", ncols=2, frameon=False)
     ratio = len(clouds[True]) / len(clouds[False])
     figure.suptitle(
         f"Right front paw of the standing robot in physics ({controller}), "
         f"voxels of {100 * VOXEL:.0f} cm: {ratio:.1f} times the volume with tilts"
     )
-    figure.tight_layout()
+    figure.tight_layout(rect=(0.0, 0.05, 1.0, 1.0))
     figure.savefig(out, dpi=120)
     plt.close(figure)
     return out

@@ -197,8 +197,11 @@ def test_the_sidecar_says_what_was_really_done(bank: MotionBank) -> None:
     assert (plain["preset"], plain["push"]) == ("default", 0.1)
     assert plain["machine"]["cores"] >= 1
     assert plain["machine"]["cpu"]
-    taught = trainer(bank, recipe=Recipe()).manifest()
-    assert (taught["symmetric"], taught["lessons"]) == (True, 800_000)
+    taught = trainer(bank, recipe=Recipe())
+    assert taught.manifest()["lessons"] == 0  # none yet
+    taught.teach(384, lambda _: None)
+    sidecar = taught.manifest()
+    assert (sidecar["symmetric"], sidecar["lessons"], sidecar["teacher"]) == (True, 384, "analytic")
 
 
 def test_bad_settings_say_what_would_work() -> None:
@@ -245,6 +248,7 @@ def test_a_privileged_run_leaves_a_teacher_that_another_learns_from(
         "threads": 1,
         "motions_per_task": 1,
         "crossings": 0,
+        "people": 0,
         "checkpoint_seconds": 0.0,
         "ppo": SMALL,
     }
