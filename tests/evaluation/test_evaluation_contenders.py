@@ -19,7 +19,7 @@ from studio.training.policy_settings import PolicyTraining, Recipe, make_environ
 from studio.training.ppo import PpoConfig
 from studio.training.variants import VARIANTS, Variant, publish, settings_of, weights
 
-TINY = {"num_envs": 4, "threads": 1, "motions_per_task": 1, "crossings": 0}
+TINY = {"num_envs": 4, "threads": 1, "motions_per_task": 1, "crossings": 0, "people": 0}
 
 
 def save_untrained(path: Path, state: str, **settings: object) -> None:
