@@ -115,7 +115,11 @@ def loop_beside_browser(seconds: float) -> dict[str, Any]:
     browser = next(filter(None, map(shutil.which, BROWSERS)), None)
     if browser is None:
         return {"skipped": f"no browser found ({', '.join(BROWSERS)}): install chromium"}
-    with served() as server, tempfile.TemporaryDirectory(prefix="a1-browser-") as profile:
+    # A browser that is told to go may still write into its profile while that is removed.
+    with (
+        served() as server,
+        tempfile.TemporaryDirectory(prefix="a1-browser-", ignore_cleanup_errors=True) as profile,
+    ):
         page = subprocess.Popen(
             [browser, *FLAGS, f"--user-data-dir={profile}", server.url],
             stdout=subprocess.DEVNULL,
