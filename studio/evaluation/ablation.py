@@ -140,8 +140,10 @@ def draw_chart(rows: list[dict[str, Any]], out: Path) -> Path:
             "training": "Walking, trained 3 M samples",
         }
         axis.set_title(title[kind])
-    axes[0][0].legend(loc="lower left", fontsize=8)
-    figure.tight_layout()
+    figure.legend(
+        *axes[0][0].get_legend_handles_labels(), loc="lower center", ncols=2, frameon=False
+    )
+    figure.tight_layout(rect=(0.0, 0.05, 1.0, 1.0))
     figure.savefig(out, dpi=130)
     plt.close(figure)
     return out
