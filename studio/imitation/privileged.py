@@ -27,21 +27,22 @@ LATER = 6
 FULL_STATE_DIM = PRIVILEGED_DIM + 12 + 5 + 12 + 18
 
 
-def full_state(env: ImitationEnv) -> NDArray[np.float32]:
-    """(N, FULL_STATE_DIM): `privileged`, joints, tilt and turning of the levelled trunk against the
-    ground, the PD targets in force less the joints, and the clean reference LATER periods ahead,
-    its joints less the present ones."""
-    w, bank, m = env.world, env.bank, env.motion
-    later = np.minimum(env.frame + LATER, bank.frames - 1)
-    rates = spatial.quat_rotate(env.level, w.base_ang_vel_b)
+def full_state(env: ImitationEnv, ids: Robots = EVERYONE) -> NDArray[np.float32]:
+    """(n, FULL_STATE_DIM) of robots `ids`: `privileged`, joints, tilt and turning of the levelled
+    trunk against the ground, the PD targets in force less the joints, and the clean reference LATER
+    periods ahead, its joints less the present ones."""
+    w, bank, m = env.world, env.bank, env.motion[ids]
+    joint_pos = w.joint_pos[ids]
+    later = np.minimum(env.frame[ids] + LATER, bank.frames - 1)
+    rates = spatial.quat_rotate(env.level, w.base_ang_vel_b[ids])
     ahead = bank.feature[m, later].copy()
-    ahead[:, :12] -= bank.joint_pos[m, env.frame]
+    ahead[:, :12] -= bank.joint_pos[m, env.frame[ids]]
     parts = [
-        env.privileged(),
-        w.joint_pos,
-        roll_pitch(w.base_quat, env.level),
+        env.privileged(ids),
+        joint_pos,
+        roll_pitch(w.base_quat[ids], env.level),
         rates,
-        w.target - w.joint_pos,
+        w.target[ids] - joint_pos,
         ahead,
     ]
     return np.concatenate(parts, axis=1, dtype=np.float32)
@@ -52,7 +53,7 @@ class PrivilegedEnv(ImitationEnv):
 
     def observation(self, ids: Robots = EVERYONE) -> NDArray[np.float32]:
         """(n, FULL_STATE_DIM), of robots `ids`."""
-        return full_state(self)[ids]
+        return full_state(self, ids)
 
 
 class LearnedTeacher:

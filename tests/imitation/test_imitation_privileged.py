@@ -71,6 +71,8 @@ def test_a_teachers_environment_observes_the_full_state(bank: MotionBank) -> Non
     seen = env.step(np.zeros((4, 12)))[0]
     assert seen.shape == (4, FULL_STATE_DIM)
     assert np.array_equal(seen, full_state(env))
+    some = np.array([1, 3])
+    assert np.array_equal(env.observation(some), seen[some])
 
 
 def test_a_learned_teacher_answers_about_the_clean_reference(
