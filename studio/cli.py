@@ -140,13 +140,15 @@ def _train_mapper(argv: Sequence[str]) -> Answer:
         from studio.training.collected import TakesTraining, run_train_takes
 
         return run_train_takes(tyro.cli(TakesTraining, prog="a1-studio train mapper", args=argv))
-    from studio.training.mapper import MapperTraining, run_train_mapper
+    from studio.training.mapper import run_train_mapper
+    from studio.training.mapper_fit import MapperTraining
 
     return run_train_mapper(tyro.cli(MapperTraining, prog="a1-studio train mapper", args=argv))
 
 
 def _train_policy(argv: Sequence[str]) -> Answer:
-    from studio.training.policy import PolicyTraining, run_train_policy
+    from studio.training.policy import run_train_policy
+    from studio.training.policy_settings import PolicyTraining
 
     logging.getLogger("studio.training.policy").setLevel(logging.INFO)  # its progress
     return run_train_policy(tyro.cli(PolicyTraining, prog="a1-studio train policy", args=argv))

@@ -18,7 +18,7 @@ from studio.retarget.baselines.base import FrameMapper, Targets
 from studio.retarget.baselines.nearest import NearestPair
 from studio.retarget.baselines.ridge import Ridge
 from studio.retarget.mapper import NUM_OUTPUTS, Mapper
-from studio.training.mapper import MapperTraining, fit_expert, new_net
+from studio.training.mapper_fit import MapperTraining, fit_expert, new_net
 from studio.training.mapper_net import MapperNet
 from studio.training.operator_pairs import PairSet
 

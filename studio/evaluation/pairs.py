@@ -22,7 +22,9 @@ from studio.retarget.planting import Planting
 from studio.retarget.store import STYLES, load_experts
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT
-from studio.training.mapper import MapperTraining, commit, make_pairs
+from studio.training.machine import commit
+from studio.training.mapper import make_pairs
+from studio.training.mapper_fit import MapperTraining
 from studio.training.operator_pairs import PairSet
 
 log = logging.getLogger(__name__)

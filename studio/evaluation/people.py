@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport
-from studio.evaluation.tracking import commit
 from studio.human.calibration import calibrate
 from studio.mocap import SourceEnded, open_source
 from studio.orders import PuppeteerConfig
@@ -25,6 +24,7 @@ from studio.reference.stances import NEUTRAL, tilt_of
 from studio.retarget.states import EXPERTS
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT, FOOT_RADIUS
+from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
 Array = NDArray[np.float64]

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from studio.evaluation.scripted import controllers, record
-from studio.evaluation.tracking import commit
 from studio.reference.intent import IntentTrack
 from studio.reference.tracks import frames_in, make_track
 from studio.robot import kinematics
+from studio.training.machine import commit
 
 TARGET_M = 0.8
 """The paper's high target."""

@@ -20,7 +20,7 @@ from studio.errors import unknown_name
 from studio.evaluation.registry import run_evaluation
 from studio.evaluation.report_goals import GOALS
 from studio.evaluation.report_tables import TABLES, Rows
-from studio.evaluation.tracking import commit
+from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
 PARTS = Path("runs/evaluate/report")

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import spatial
-from studio.evaluation.tracking import commit
 from studio.human.calibration import calibrate
 from studio.mocap.operator import InteractiveOperator
 from studio.orders import PuppeteerConfig
@@ -23,6 +22,7 @@ from studio.reference import gait
 from studio.reference.intent import Intent
 from studio.retarget.store import STYLES
 from studio.robot.a1 import CONTROL_DT
+from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
 Array = NDArray[np.float64]

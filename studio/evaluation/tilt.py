@@ -5,10 +5,10 @@ from typing import Any
 import numpy as np
 
 from studio.evaluation.scripted import controllers, record
-from studio.evaluation.tracking import commit
 from studio.reference.intent import StateName
 from studio.reference.stances import tilt_of
 from studio.reference.tracks import frames_in, make_track
+from studio.training.machine import commit
 
 AXES = ("roll", "pitch", "yaw")
 ASKED_DEG: dict[StateName, tuple[float, float, float]] = {

@@ -6,7 +6,6 @@ errors stand beside it. Every controller meets the same references, dynamics and
 
 import hashlib
 import logging
-import subprocess
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, cast
@@ -22,6 +21,7 @@ from studio.imitation.bank import MotionBank, build_bank, task_names
 from studio.imitation.policy import MODELS
 from studio.metrics import bootstrap_ci
 from studio.reference.intent import STATES, StateName
+from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
 Array = NDArray[np.float64]
@@ -187,15 +187,3 @@ def _code() -> str:
     ]
     files += [studio / "spatial.py", studio / "evaluation" / "disturbed.py"]
     return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()
-
-
-def commit() -> str:
-    """The repository's commit, "" outside one."""
-    done = subprocess.run(
-        ["git", "rev-parse", "--short=12", "HEAD"],
-        capture_output=True,
-        text=True,
-        check=False,
-        cwd=Path(__file__).parent,
-    )
-    return done.stdout.strip()

@@ -6,9 +6,9 @@ import numpy as np
 
 from studio import spatial
 from studio.evaluation.scripted import controllers, record
-from studio.evaluation.tracking import commit
 from studio.reference import gait
 from studio.reference.marching import Bout, march_track
+from studio.training.machine import commit
 
 CASES = [(speed, 0.0) for speed in (0.0, 0.2, 0.4, 0.6, 0.8, 0.97)] + [
     (speed, turn) for speed in (0.2, 0.4) for turn in (-15.0, 15.0)

@@ -11,9 +11,9 @@ import tyro
 from numpy.typing import NDArray
 
 from studio.evaluation.scripted import controllers, record
-from studio.evaluation.tracking import commit
 from studio.reference.keyframes import Goal, keyframe_track
 from studio.robot import kinematics
+from studio.training.machine import commit
 
 Array = NDArray[np.float64]
 VOXEL = 0.02

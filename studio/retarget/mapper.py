@@ -93,7 +93,7 @@ class Mapper:
 
     @staticmethod
     def from_tensors(tensors: Mapping[str, NDArray]) -> "Mapper":
-        """Read an expert from the arrays of its safetensors file (see `studio.training.mapper`)."""
+        """Read an expert from the arrays of its safetensors file (`training.mapper_net`)."""
         return Mapper(
             trunk=Mlp.from_tensors(tensors, "trunk"),
             contact=Mlp.from_tensors(tensors, "contact"),

@@ -31,7 +31,8 @@ from studio.retarget.baselines.nearest import NearestPair
 from studio.retarget.baselines.ridge import Ridge
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, ruled, stem, style_dir
-from studio.training.mapper import MapperTraining, commit, fit_expert
+from studio.training.machine import commit
+from studio.training.mapper_fit import MapperTraining, fit_expert
 from studio.training.mapper_net import MapperNet
 from studio.training.operator_pairs import PairSet, mirrored
 from studio.training.take_pairs import TakePairs, read_pairs

@@ -1,4 +1,7 @@
-"""Where networks learn: the devices of this machine, by torch's names."""
+"""Where networks learn: the devices of this machine, by torch's names, and its threads."""
+
+import contextlib
+from collections.abc import Iterator
 
 import torch
 
@@ -39,3 +42,14 @@ def restore_random_states(device: str, states: dict[str, torch.Tensor]) -> None:
     if device != "cpu" and "device_random_state" in states:
         with torch.accelerator.device_index(torch.device(device).index):
             torch.get_device_module(device).set_rng_state(states["device_random_state"])
+
+
+@contextlib.contextmanager
+def threads(count: int) -> Iterator[None]:
+    """torch on so many threads of the processor; afterwards as before."""
+    before = torch.get_num_threads()
+    torch.set_num_threads(count)
+    try:
+        yield
+    finally:
+        torch.set_num_threads(before)

@@ -1,7 +1,8 @@
-"""What a run was made on."""
+"""What a run was made on, and of which code."""
 
 import os
 import platform
+import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -15,3 +16,26 @@ def machine() -> dict[str, Any]:
     except (OSError, StopIteration):
         pass
     return {"cpu": name, "cores": os.cpu_count()}
+
+
+def commit() -> str:
+    """The repository's commit, "" outside one."""
+    try:
+        done = subprocess.run(
+            ["git", "rev-parse", "--short=12", "HEAD"],
+            capture_output=True,
+            text=True,
+            check=True,
+            cwd=Path(__file__).parent,
+        )
+    except (OSError, subprocess.CalledProcessError):
+        return ""
+    return done.stdout.strip()
+
+
+def cores() -> int:
+    """How many this process may use."""
+    try:
+        return len(os.sched_getaffinity(0))
+    except AttributeError:  # not on this system
+        return os.cpu_count() or 1

@@ -1,6 +1,6 @@
 """Training over several processes or machines, as torchrun starts them: who we are, what is shared.
 
-    torchrun --nproc-per-node 4 -m studio train policy --state walk --threads 4
+    torchrun --nproc-per-node 4 -m studio train policy --state walk
 
 Every process has environments of its own, drawn from its own seed; gradients and the observation
 normaliser are averaged by rsl-rl, the curriculum's stage is the first process's, and only that one
@@ -12,6 +12,8 @@ from dataclasses import dataclass
 
 import torch
 from torch import distributed
+
+from studio.training.machine import cores
 
 SEED_STEP = 7919
 """Between the seeds of two processes."""
@@ -28,6 +30,11 @@ class Crew:
     def first(self) -> bool:
         """The one that writes and decides."""
         return self.rank == 0
+
+    @property
+    def threads(self) -> int:
+        """The cores of this machine that are this process's: torchrun may have started several."""
+        return max(1, cores() // int(os.environ.get("LOCAL_WORLD_SIZE", "1")))
 
     @property
     def settings(self) -> dict[str, int] | None:

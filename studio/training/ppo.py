@@ -2,7 +2,6 @@
 
 import contextlib
 import io
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, cast
 
@@ -18,6 +17,7 @@ from studio.imitation.symmetry import (
     observation_mirror,
     privileged_mirror,
 )
+from studio.training.device import threads
 from studio.training.learner import Learner
 from studio.training.parallel import ALONE, Crew
 
@@ -214,22 +214,16 @@ ROBOTS_PER_THREAD = 1024
 measured, in every control period) on a core that the physics wants."""
 
 
-@contextlib.contextmanager
-def acting(num_envs: int) -> Iterator[None]:
-    """Torch on as many threads as acting pays for; afterwards as before."""
-    threads = torch.get_num_threads()
-    torch.set_num_threads(min(threads, max(1, num_envs // ROBOTS_PER_THREAD)))
-    try:
-        yield
-    finally:
-        torch.set_num_threads(threads)
+def threads_to_act(num_envs: int) -> int:
+    """As many of torch's threads as acting pays for."""
+    return min(torch.get_num_threads(), max(1, num_envs // ROBOTS_PER_THREAD))
 
 
 def collect(alg: PPO, env: TorchEnv, obs: TensorDict, horizon: int) -> tuple[TensorDict, Figures]:
     """One rollout into the algorithm's storage; the next observations and its mean figures."""
     figures = Figures()
     with torch.inference_mode():
-        with acting(env.num_envs):
+        with threads(threads_to_act(env.num_envs)):
             for _ in range(horizon):
                 actions = alg.act(obs)
                 raw, rewards, terminated, truncated, extras = env.env.step(actions.cpu().numpy())

@@ -14,8 +14,8 @@ from studio.imitation.bank import build_bank
 from studio.imitation.env_config import EnvConfig
 from studio.imitation.policy import MODELS, Policy, save_policy
 from studio.reference.intent import STATES
-from studio.training.policy import PolicyTrainer
 from studio.training.policy_settings import PolicyTraining, Recipe, make_environment
+from studio.training.policy_trainer import PolicyTrainer
 from studio.training.ppo import PpoConfig
 from studio.training.variants import VARIANTS, Variant, publish, settings_of, weights
 

@@ -15,8 +15,8 @@ from studio.imitation.curriculum import Curriculum, stages
 from studio.imitation.env import ImitationEnv
 from studio.imitation.env_config import EnvConfig
 from studio.training.parallel import SEED_STEP, join, leave
-from studio.training.policy import PolicyTrainer
 from studio.training.policy_settings import PolicyTraining
+from studio.training.policy_trainer import PolicyTrainer
 from studio.training.ppo import PpoConfig
 
 

@@ -11,8 +11,8 @@ from studio.imitation.curriculum import Curriculum, Stage
 from studio.imitation.env import ImitationEnv
 from studio.imitation.env_config import EnvConfig
 from studio.training.device import check_device, devices
-from studio.training.policy import PolicyTrainer
 from studio.training.policy_settings import PolicyTraining
+from studio.training.policy_trainer import PolicyTrainer
 from studio.training.ppo import PpoConfig, TorchEnv
 
 SMALL = PpoConfig(horizon=6, epochs=1, minibatch=48, hidden=(32, 32))

@@ -11,7 +11,7 @@ from studio.imitation.env_config import EnvConfig
 from studio.imitation.teacher import TeacherConfig, load_torque, teacher_action
 from studio.robot import a1, kinematics
 from studio.training.distil import DistilConfig, Distiller
-from studio.training.policy import PolicyTraining
+from studio.training.policy_settings import PolicyTraining
 from studio.training.ppo import PpoConfig, TorchEnv, make_algorithm
 
 

@@ -12,9 +12,10 @@ from studio.imitation.bank import MotionBank, build_bank
 from studio.imitation.curriculum import Curriculum, Stage
 from studio.imitation.env import ImitationEnv
 from studio.imitation.env_config import EnvConfig
+from studio.training.device import threads
 from studio.training.layers import Layers
 from studio.training.learner import Learner, follow, surrogate, value_loss
-from studio.training.ppo import PpoConfig, TorchEnv, acting, collect, make_algorithm
+from studio.training.ppo import PpoConfig, TorchEnv, collect, make_algorithm, threads_to_act
 
 HORIZON = 12
 
@@ -155,8 +156,9 @@ def test_the_normaliser_follows_as_rsl_rls() -> None:
         assert torch.allclose(ours.state_dict()[name], value, rtol=1e-5), name
 
 
-def test_acting_gives_the_threads_back() -> None:
-    threads = torch.get_num_threads()
-    with acting(512):
-        assert torch.get_num_threads() == 1
-    assert torch.get_num_threads() == threads
+def test_acting_wakes_no_thread_that_does_not_pay() -> None:
+    before = torch.get_num_threads()
+    with threads(4):
+        assert torch.get_num_threads() == 4
+        assert [threads_to_act(n) for n in (2, 512, 2048, 100_000)] == [1, 1, 2, 4]
+    assert torch.get_num_threads() == before

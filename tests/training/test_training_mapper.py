@@ -21,14 +21,8 @@ from studio.retarget.mapper import RATES, Mapper
 from studio.retarget.retargeter import Retargeter
 from studio.retarget.states import EXPERTS
 from studio.training import checkpoint
-from studio.training.mapper import (
-    MapperTraining,
-    fit_expert,
-    make_pairs,
-    new_net,
-    run_train_mapper,
-    score,
-)
+from studio.training.mapper import make_pairs, run_train_mapper
+from studio.training.mapper_fit import MapperTraining, fit_expert, new_net, score
 from studio.training.operator_pairs import (
     label_motion,
     mirror_triplet,

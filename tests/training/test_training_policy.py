@@ -16,8 +16,9 @@ from studio.imitation.env import ImitationEnv
 from studio.imitation.env_config import EnvConfig
 from studio.imitation.policy import Policy, save_policy
 from studio.training import checkpoint
-from studio.training.policy import PolicyTrainer, PolicyTraining, run_train_policy
-from studio.training.policy_settings import Recipe
+from studio.training.policy import run_train_policy
+from studio.training.policy_settings import PolicyTraining, Recipe
+from studio.training.policy_trainer import PolicyTrainer
 from studio.training.ppo import PAPER, PpoConfig, TorchEnv, collect, make_algorithm
 
 SMALL = PpoConfig(horizon=6, epochs=1, minibatch=48, hidden=(32, 32))

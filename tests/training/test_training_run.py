@@ -5,11 +5,14 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import torch
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from studio.errors import StudioError
 from studio.imitation.policy import Policy
 from studio.training import checkpoint
+from studio.training.device import threads
+from studio.training.learner import Learner
 from studio.training.policy import run_train_policy
 from studio.training.policy_settings import PolicyTraining
 from studio.training.ppo import PpoConfig
@@ -87,3 +90,25 @@ def test_checkpoints_wait_for_their_interval_and_hours_end_a_run(settings: Polic
 def test_going_on_from_a_run_that_never_was_says_how_to_start(settings: PolicyTraining) -> None:
     with pytest.raises(StudioError, match="without --resume"):
         run_train_policy(replace(settings, resume=True))
+
+
+@pytest.mark.slow
+def test_a_run_learns_on_every_core_that_is_its_own(
+    settings: PolicyTraining, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[int] = []
+    update = Learner.update
+
+    def watched(self: Learner) -> dict[str, float]:
+        seen.append(torch.get_num_threads())
+        return update(self)
+
+    monkeypatch.setattr(Learner, "update", watched)
+    monkeypatch.setattr("studio.training.parallel.cores", lambda: 6)
+    with threads(1):  # as the command line has it
+        run_train_policy(settings)
+        monkeypatch.setenv("LOCAL_WORLD_SIZE", "2")
+        run_train_policy(replace(settings, run=Path("runs/shared"), samples=EACH))
+        run_train_policy(replace(settings, run=Path("runs/told"), samples=EACH, threads=2))
+        assert torch.get_num_threads() == 1
+    assert seen == [6, 6, 6, 3, 2]
