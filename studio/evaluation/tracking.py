@@ -17,7 +17,8 @@ from rich.progress import Progress
 from studio.errors import StudioError, unknown_name
 from studio.evaluation.contenders import CONTROLLERS, Contender, contender
 from studio.imitation import episodes as simulate
-from studio.imitation.bank import MotionBank, build_bank, task_names
+from studio.imitation.bank import MotionBank, task_names
+from studio.imitation.bank_store import digest, library_bank
 from studio.imitation.policy import MODELS
 from studio.metrics import bootstrap_ci
 from studio.reference.intent import STATES, StateName
@@ -135,7 +136,7 @@ def library(state: StateName, num: int, seed: int) -> MotionBank:
     """At least `num` held-out motions of a state's tasks, at full range."""
     tasks = len(task_names(state))
     banks = CACHE / "banks"
-    return build_bank(state, per_task=-(-num // tasks), seed=seed, difficulties=(1.0,), cache=banks)
+    return library_bank(banks, state, per_task=-(-num // tasks), seed=seed, difficulties=(1.0,))
 
 
 def _row(state: str, controller: str, seed: int, figures: dict[str, Array]) -> dict[str, Any]:
@@ -186,4 +187,4 @@ def _code() -> str:
         for f in (studio / room).rglob("*.py")
     ]
     files += [studio / "spatial.py", studio / "evaluation" / "disturbed.py"]
-    return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()
+    return digest(files)

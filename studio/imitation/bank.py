@@ -1,11 +1,8 @@
 """Task library → a bank of reference motions as arrays, drawn once and sampled from thereafter."""
 
-import hashlib
-import json
 import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from pathlib import Path
 from typing import cast
 
 import numpy as np
@@ -21,8 +18,6 @@ from studio.reference.motion import ReferenceMotion, backward_difference
 from studio.robot import kinematics
 
 log = logging.getLogger(__name__)
-DRAWN_BY = ("bank", "controller", "crossing", "transition")
-"""This room's files that a bank's motions depend on."""
 Array = NDArray[np.float64]
 
 
@@ -142,15 +137,6 @@ def task_names(state: StateName) -> tuple[str, ...]:
     return tuple(name for name, task in TASKS.items() if task.state == state)
 
 
-def _library_digest() -> str:
-    """Changes whenever the code that makes reference motions does."""
-    studio = Path(kinematics.__file__).resolve().parents[1]
-    files = sorted((studio / "reference").rglob("*.py"))
-    files += sorted(f for f in Path(__file__).parent.glob("*.py") if f.stem in DRAWN_BY)
-    files += [Path(kinematics.__file__), studio / "robot" / "a1.py"]
-    return hashlib.sha256(b"".join(f.read_bytes() for f in files)).hexdigest()
-
-
 def build_bank(
     state: StateName,
     *,
@@ -160,27 +146,14 @@ def build_bank(
     difficulties: Sequence[float] = DIFFICULTIES,
     time_warp: float = 0.15,
     crossings: int = 0,
-    cache: Path | None = None,
 ) -> MotionBank:
     """`per_task` motions of every task of a state at each difficulty, time-warped by ± a share.
 
     crossings: as many motions out of each other state, at each difficulty. Deterministic in its
-    arguments. cache: folder to keep the arrays in (they take some time to draw; changed arguments
-    or code make new ones).
+    arguments.
     """
     names = task_names(state)
     ways = crossing_names(state) if crossings else ()
-    key = json.dumps(
-        [_library_digest(), state, names, per_task, seconds, seed, list(difficulties), time_warp]
-        + [crossings]
-    )
-    digest = hashlib.sha256(key.encode()).hexdigest()[:16]
-    file = cache / f"bank-{state}-{digest}.npz" if cache else None
-    if file and file.exists():
-        with np.load(file) as saved:
-            arrays = {k: saved[k] for k in saved.files}
-            legs = rests_on_legs(state) if crossings else state == "sit"
-            return MotionBank(state=state, tasks=names + ways, leg_contact=legs, **arrays)
     frames = round(seconds * 30.0) + 1
     motions, hardness = [], []
     for index, name in enumerate(names + ways):
@@ -194,13 +167,6 @@ def build_bank(
     bank = assemble(state, names + ways, motions, hardness)
     if crossings:
         bank = replace(bank, leg_contact=rests_on_legs(state))
-    if file:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        arrays = {f.name: getattr(bank, f.name) for f in fields(bank)}
-        arrays = {k: v for k, v in arrays.items() if isinstance(v, np.ndarray)}
-        scratch = file.with_suffix(".tmp.npz")
-        np.savez(scratch, **arrays)  # pyright: ignore[reportArgumentType]
-        scratch.rename(file)
     log.info("bank %s: %d motions of %d frames", state, len(bank), frames)
     return bank
 

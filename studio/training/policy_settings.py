@@ -9,7 +9,8 @@ import numpy as np
 from studio.errors import StudioError, unknown_name
 from studio.imitation import foresight
 from studio.imitation.action import ActionConfig, ActionMode
-from studio.imitation.bank import MotionBank, build_bank, merged
+from studio.imitation.bank import MotionBank, merged
+from studio.imitation.bank_store import library_bank
 from studio.imitation.curriculum import Curriculum, stages
 from studio.imitation.env import ImitationEnv
 from studio.imitation.env_config import EnvConfig
@@ -82,9 +83,10 @@ class PolicyTraining:
 
     state: which expert, or "all" for one monolithic policy. preset: "paper" for the paper's PPO.
     samples: control steps in all, over every environment and every resumed part; hours: stop
-    earlier, after so long. threads: of physics and learner, 0 for every core. device: where the
-    networks learn, by torch's name (cpu, cuda, cuda:1, mps); the physics stays on the processor. A
-    checkpoint goes on on any device.
+    earlier, after so long. threads: of physics and learner, 0 for every core (beside other busy
+    programs fewer are faster: they wait for each other). device: where the networks learn, by
+    torch's name (cpu, cuda, cuda:1, mps); the physics stays on the processor. A checkpoint goes on
+    on any device.
 
     run: folder of checkpoint, curve and TensorBoard files (default runs/policy-STATE, or
     runs/teacher-STATE for a teacher). resume: go on from the run's checkpoint, or from
@@ -182,18 +184,18 @@ def make_bank(config: PolicyTraining, cache: Path | None = BANKS) -> MotionBank:
     """The motions of a run."""
     states = STATES if config.state == "all" else (config.state,)
     banks = [
-        build_bank(
+        library_bank(
+            cache,
             state,
             per_task=config.motions_per_task,
             seed=config.seed,
             crossings=config.crossings,
-            cache=cache,
         )
         for state in states
     ]
     if len(banks) > 1:
         return merged(banks, config.level)
-    return with_people(banks[0], config.people, config.seed)
+    return with_people(banks[0], config.people, config.seed, cache)
 
 
 def make_environment(

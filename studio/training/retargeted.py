@@ -8,15 +8,18 @@ The robot stands still meanwhile: nothing it does comes back to the person.
 """
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
 from studio.imitation.bank import MotionBank, assemble, merged
+from studio.imitation.bank_store import STUDIO, digest, kept
 from studio.mocap import open_source, poses
 from studio.orders import PuppeteerConfig
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.reference.motion import ReferenceMotion
+from studio.retarget.store import MODELS
 from studio.robot import a1
 from studio.robot.pose import ReferencePose
 
@@ -55,11 +58,18 @@ def acted_bank(state: StateName, people: int, seed: int, frames: int = 301) -> M
     return assemble(state, (TASK,), motions, [1.0] * len(motions))
 
 
-def with_people(bank: MotionBank, people: int, seed: int) -> MotionBank:
-    """A state's bank, and what mappers make of people on top, at full difficulty."""
+def with_people(bank: MotionBank, people: int, seed: int, cache: Path | None = None) -> MotionBank:
+    """A state's bank, and what mappers make of people on top, at full difficulty.
+
+    cache: folder to keep the latter in, a second for each; any new code or mapper makes new ones.
+    """
     if not people or bank.state not in ACTED:
         return bank
-    return merged([bank, acted_bank(bank.state, people, seed, bank.frames)], bank.state)
+    drawn = bank.state, people, seed, bank.frames
+    everything = [*STUDIO.rglob("*.py"), *(MODELS / "mapper").rglob("*.safetensors")]
+    key = [digest(everything) if cache else "", *drawn]
+    acted = kept(cache, f"people-{bank.state}", key, lambda: acted_bank(*drawn))
+    return merged([bank, acted], bank.state)
 
 
 def _references(state: StateName, task: str, style: str, seed: int) -> list[list[ReferencePose]]:

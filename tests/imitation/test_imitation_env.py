@@ -165,14 +165,6 @@ def test_warp_plays_a_motion_faster() -> None:
     assert fast.base_pos[40] == pytest.approx(motion.base_pos[50])
 
 
-def test_bank_cache_returns_the_same_arrays(tmp_path) -> None:  # type: ignore[no-untyped-def]
-    settings = {"per_task": 1, "seconds": 1.0, "difficulties": (1.0,), "cache": tmp_path}
-    first, again = build_bank("sit", **settings), build_bank("sit", **settings)  # type: ignore[arg-type]
-    assert len(list(tmp_path.glob("*.npz"))) == 1
-    assert np.array_equal(first.feature, again.feature)
-    assert np.array_equal(first.task, again.task)
-
-
 def test_curriculum_climbs_by_task_then_range_then_randomisation() -> None:
     ladder = stages(("a", "b"))
     assert [s.tasks for s in ladder[:2]] == [("a",), ("a", "b")]

@@ -1,11 +1,12 @@
 """What mappers make of synthetic people, as motions to train on."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from studio.imitation.bank import build_bank
+from studio.imitation.bank import MotionBank, build_bank
 from studio.reference.sitting import TILT_LIMIT
 from studio.training import retargeted
 from studio.training.retargeted import ACTED, TASK, acted_bank, with_people
@@ -33,3 +34,19 @@ def test_a_state_without_acted_tasks_or_people_keeps_its_bank() -> None:
     bank = build_bank("stand", per_task=1, seconds=2.0, difficulties=(1.0,))
     assert with_people(bank, 3, 0) is bank
     assert with_people(replace(bank, state="sit"), 0, 0).tasks == bank.tasks
+
+
+def test_people_are_acted_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    bank = build_bank("sit", per_task=1, seconds=2.0, difficulties=(1.0,))
+    acted: list[tuple] = []
+
+    def act(*drawn: object) -> MotionBank:
+        acted.append(drawn)
+        return replace(bank, tasks=(TASK,), task=0 * bank.task)
+
+    monkeypatch.setattr(retargeted, "acted_bank", act)
+    for people in (2, 2, 3):
+        both = with_people(bank, people, 0, tmp_path)
+        assert both.tasks == (*bank.tasks, TASK)
+        assert len(both) == 2 * len(bank)
+    assert [people for _, people, *_ in acted] == [2, 3]

@@ -1,0 +1,67 @@
+"""Banks of motions on disk: drawn once, they are read in a blink."""
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studio.imitation.bank import MotionBank, build_bank, task_names
+from studio.reference.intent import StateName
+from studio.robot import kinematics
+
+STUDIO = Path(kinematics.__file__).resolve().parents[1]
+DRAWN_BY = ("bank", "controller", "crossing", "transition")
+"""This room's files that a bank's motions depend on."""
+
+
+def digest(files: Iterable[Path]) -> str:
+    """Changes whenever one of the files does."""
+    return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()
+
+
+def kept(folder: Path | None, name: str, key: Any, draw: Callable[[], MotionBank]) -> MotionBank:
+    """The bank that `draw` made before under this name and key, else a new one, then kept.
+
+    key: all that the motions depend on, as JSON can say it. folder: None keeps nothing.
+    """
+    if folder is None:
+        return draw()
+    told = hashlib.sha256(json.dumps(key).encode()).hexdigest()[:16]
+    file = folder / f"{name}-{told}.npz"
+    if file.exists():
+        return _read(file)
+    bank = draw()
+    folder.mkdir(parents=True, exist_ok=True)
+    scratch = file.with_suffix(".tmp.npz")  # whole or not at all
+    told_by_field = {f.name: getattr(bank, f.name) for f in fields(bank)}
+    arrays = {k: np.asarray(v) for k, v in told_by_field.items() if v is not None}
+    np.savez(scratch, **arrays)  # pyright: ignore[reportArgumentType]
+    scratch.rename(file)
+    return bank
+
+
+def library_bank(folder: Path | None, state: StateName, **drawn: Any) -> MotionBank:
+    """`build_bank` of a state, kept in a folder; changed arguments or code make new ones."""
+    key = [_library_digest(), state, task_names(state), sorted(drawn.items())]
+    return kept(folder, f"bank-{state}", key, lambda: build_bank(state, **drawn))
+
+
+def _library_digest() -> str:
+    """Changes whenever the code that makes reference motions does."""
+    files = [*(STUDIO / "reference").rglob("*.py"), *(STUDIO / "robot").glob("*.py")]
+    return digest(files + [STUDIO / "imitation" / f"{name}.py" for name in DRAWN_BY])
+
+
+def _read(file: Path) -> MotionBank:
+    with np.load(file) as saved:
+        arrays: dict[str, Any] = {k: saved[k] for k in saved.files}
+    words = {
+        "state": str(arrays["state"]),
+        "tasks": tuple(map(str, arrays["tasks"])),
+        "leg_contact": bool(arrays["leg_contact"]),
+    }
+    return MotionBank(**(arrays | words))
