@@ -43,6 +43,23 @@ class Follow:
         return after
 
 
+class Above:
+    """Smoothed height of a caption over a figure's highest point, m; never under `low`.
+
+    In a quiet motion it stays where it is, and moves when the figure would reach into it.
+    """
+
+    def __init__(self, low: float, gap: float, time_constant: float = 0.3) -> None:
+        self.low, self.gap, self.time_constant = low, gap, time_constant
+        self.height = low
+
+    def push(self, top: float, dt: float) -> float:
+        """The height for a figure that reaches up to `top` m."""
+        wanted = max(self.low, top + self.gap)
+        self.height += (1.0 - np.exp(-dt / self.time_constant)) * (wanted - self.height)
+        return self.height
+
+
 class HumanPlace:
     """Puts the person of any source on the view's floor, facing the camera, at their column."""
 

@@ -14,6 +14,7 @@ from studio.robot import a1
 from studio.robot.kinematics import foot_pos_w, link_frames_w
 from studio.robot.pose import RobotPose
 from studio.sim import visual
+from studio.spatial import quat_rotate
 from studio.web import figures
 from studio.web.batch import HIDDEN, Batch
 from studio.web.follow import (
@@ -21,6 +22,7 @@ from studio.web.follow import (
     HUMAN_SCALE,
     REFERENCE_COLUMN,
     ROBOT_COLUMN,
+    Above,
     Follow,
     HumanPlace,
 )
@@ -32,8 +34,13 @@ CONTACT_ON = np.array([46, 204, 130], dtype=np.float64)
 CONTACT_OFF = np.array([120, 128, 145], dtype=np.float64)
 CONTACT_RADIUS = 0.036
 GRID_SECTION = 0.5
+COLUMNS = {"human": HUMAN_COLUMN, "reference": REFERENCE_COLUMN, "robot": ROBOT_COLUMN}
 CAPTION_HEIGHTS = {"human": 1.06, "reference": 0.52, "robot": 0.52}
-"""Where the page hangs its captions above each figure, m."""
+"""Where the page hangs its captions above each figure that stands, m: the least."""
+CAPTION_GAP = 0.06
+"""Between a figure's highest point and its caption, m."""
+NOSE_AND_TAIL = np.array([[0.27, 0.0, 0.06], [-0.25, 0.0, 0.06]])
+"""(2, 3) m, upper ends of the trunk in its own frame."""
 
 
 class HumanFigure:
@@ -53,10 +60,13 @@ class HumanFigure:
         """Another source: find floor and heading anew."""
         self._place.reset()
 
-    def update(self, pose: HumanPose | None, dt: float) -> None:
-        """Draw the pose; joints that were not seen, and bones that end in them, vanish."""
+    def update(self, pose: HumanPose | None, dt: float) -> float:
+        """Draw the pose; joints that were not seen, and bones that end in them, vanish.
+
+        Returns how high it reaches, m.
+        """
         if pose is None:
-            return
+            return 0.0
         joints = self._place.place(pose, dt)
         unseen = pose.confidence <= 0.0
         start, wxyz, scale = figures.bone_transforms(joints)
@@ -65,6 +75,7 @@ class HumanFigure:
         self._bones.move(start, wxyz, scale)
         radii = np.where(unseen[:, None], HIDDEN, self._radii)
         self._joints.move(joints, scale=radii)
+        return float(np.max(joints[:, 2] + self._radii[:, 2], where=~unseen, initial=0.0))
 
 
 class RobotFigure:
@@ -91,12 +102,33 @@ class RobotFigure:
             )
             self._batches.append((np.array([a1.LINKS.index(link) for link in links]), batch))
 
-    def update(self, pose: RobotPose, shift: Array) -> None:
-        """Draw the pose, its world moved by `shift` (3,) m."""
+    def update(self, pose: RobotPose, shift: Array) -> float:
+        """Draw the pose, its world moved by `shift` (3,) m; returns how high it reaches, m."""
         pos, quat = link_frames_w(pose.base_pos, pose.base_quat, pose.joint_pos)
         pos = pos + shift
         for links, batch in self._batches:
             batch.move(pos[links], quat[links])
+        ends = pos[0] + quat_rotate(quat[0], NOSE_AND_TAIL)
+        feet = foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos) + shift
+        return float(max(ends[:, 2].max(), feet[:, 2].max(), pos[:, 2].max()))
+
+
+class Caption:
+    """A point above a figure at which the page hangs what it says of it."""
+
+    def __init__(self, scene: viser.SceneApi, name: str, column: Array) -> None:
+        self._column, self._above = column, Above(CAPTION_HEIGHTS[name], CAPTION_GAP)
+        self._shown = self._above.height
+        self._frame = scene.add_frame(f"/captions/{name}", show_axes=False, position=self._at())
+
+    def rise(self, top: float, dt: float) -> None:
+        """Over a figure that reaches up to `top` m; a page is told of whole centimetres only."""
+        if abs(self._above.push(top, dt) - self._shown) > 0.01:
+            self._shown = self._above.height
+            self._frame.position = self._at()
+
+    def _at(self) -> tuple[float, float, float]:
+        return float(self._column[0]), float(self._column[1]), self._shown
 
 
 class StudioScene:
@@ -148,13 +180,7 @@ class StudioScene:
             scaled=True,
             shadow=False,
         )
-        for name, column in (
-            ("human", HUMAN_COLUMN),
-            ("reference", REFERENCE_COLUMN),
-            ("robot", ROBOT_COLUMN),
-        ):
-            anchor = (column[0], column[1], CAPTION_HEIGHTS[name])
-            scene.add_frame(f"/captions/{name}", show_axes=False, position=anchor)
+        self._captions = {name: Caption(scene, name, at) for name, at in COLUMNS.items()}
         self._follow = {"reference": Follow(), "robot": Follow()}
         self._last_t = -np.inf
 
@@ -164,14 +190,15 @@ class StudioScene:
             self._human.reset()
         self._last_t = tick.t
         with self._server.atomic():
-            self._human.update(tick.human, dt)
+            tops = {"human": self._human.update(tick.human, dt)}
             shifts = {}
             for name, pose in (("reference", tick.reference), ("robot", tick.robot)):
                 xy = self._follow[name].push(pose.base_pos[:2], dt)
-                column = REFERENCE_COLUMN if name == "reference" else ROBOT_COLUMN
-                shifts[name] = column - np.array([xy[0], xy[1], 0.0])
-            self._reference.update(tick.reference, shifts["reference"])
-            self._robot.update(tick.robot, shifts["robot"])
+                shifts[name] = COLUMNS[name] - np.array([xy[0], xy[1], 0.0])
+            tops["reference"] = self._reference.update(tick.reference, shifts["reference"])
+            tops["robot"] = self._robot.update(tick.robot, shifts["robot"])
+            for name, caption in self._captions.items():
+                caption.rise(tops[name], dt)
             self._update_contacts(tick, shifts)
             # The floor passes under the simulated robot; its pattern repeats every section.
             floor = -np.mod(ROBOT_COLUMN - shifts["robot"], GRID_SECTION)
