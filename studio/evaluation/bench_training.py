@@ -1,17 +1,19 @@
 """What training costs on this machine as work grows: a policy's environments, a mapper's pairs."""
 
 import json
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from studio.errors import StudioError
-from studio.imitation.bank import build_bank
+from studio.imitation.bank import MotionBank, build_bank
 from studio.imitation.env import ImitationEnv
 from studio.imitation.env_config import EnvConfig
 from studio.reference.stances import NEUTRAL
@@ -23,12 +25,15 @@ from studio.training.mapper import make_pairs
 
 SIZES = (64, 256, 1024, 4096)
 PPO_ENVS = 512
-PPO_SAMPLES = 150_000
+PPO_SAMPLES = 300_000
+ROUNDS = 3
 MOTIONS = 4
 """Of every task at each difficulty."""
 STATE = "walk"
 SETTLE = 60
 """Control periods until a robot that was dropped stands."""
+Step = Callable[[], Any]
+
 PAIRS = (500, 5_000, 50_000)
 EPOCHS = 10
 
@@ -39,16 +44,19 @@ def training_rates(
     ppo_envs: int = PPO_ENVS,
     ppo_samples: int = PPO_SAMPLES,
     motions: int = MOTIONS,
+    rounds: int = ROUNDS,
 ) -> list[dict[str, Any]]:
     """A row per number of environments: control samples a second of physics and environment.
 
     The last row adds PPO around it (its own process), at `ppo_envs` environments, without and with
-    mirrored copies (which are not counted), as shares of the bare physics of as many.
+    mirrored copies (which are not counted), as shares of the bare physics of as many. What is
+    compared takes turns, `rounds` of them: a machine that is slow for a while is so for all.
     """
     bank = build_bank(STATE, per_task=motions, seed=0)
     rows = []
     for n in sizes:
-        physics, environment = physics_rate(n, seconds), environment_rate(n, seconds, bank)
+        steps = physics_step(n), environment_step(n, bank)
+        physics, environment = in_turns(steps, n, seconds, rounds)
         rows.append(
             {
                 "num_envs": n,
@@ -57,8 +65,13 @@ def training_rates(
                 "environment_share": environment / physics,
             }
         )
-    physics = physics_rate(ppo_envs, seconds)
-    plain, mirrored = (ppo_rate(mirror, ppo_envs, ppo_samples, motions) for mirror in (False, True))
+    step, each = physics_step(ppo_envs), max(1, ppo_samples // rounds)
+    turns = []
+    for _ in range(rounds):
+        (physics,) = in_turns((step,), ppo_envs, seconds / rounds, 1)
+        learnt = (ppo_rate(mirror, ppo_envs, each, motions) for mirror in (False, True))
+        turns.append((physics, *learnt))
+    physics, plain, mirrored = map(statistics.harmonic_mean, zip(*turns, strict=True))
     rows.append(
         {
             "num_envs": ppo_envs,
@@ -99,24 +112,24 @@ def _fifths(count: int) -> list[np.ndarray]:
     return np.array_split(np.arange(count), 5)
 
 
-def physics_rate(num_envs: int, seconds: float) -> float:
-    """Control periods a second of standing robots, all environments together.
+def physics_step(num_envs: int) -> Step:
+    """One control period of standing robots.
 
-    Timed once they stand: a robot in the air has no contacts and costs half.
+    They stand already: a robot in the air has no contacts and costs half.
     """
     world = BatchWorld(BatchConfig(num_envs=num_envs))
     target = np.tile(NEUTRAL["stand"].joint_pos, (num_envs, 1))
     for _ in range(SETTLE):
         world.step(target)
-    return _rate(lambda: world.step(target), num_envs, seconds)
+    return lambda: world.step(target)
 
 
-def environment_rate(num_envs: int, seconds: float, bank: Any) -> float:
+def environment_step(num_envs: int, bank: MotionBank) -> Step:
     """The same of the whole environment: references, noise, observation, reward, resets."""
     env = ImitationEnv(EnvConfig(num_envs=num_envs), bank)
     env.reset()
     action = np.zeros((num_envs, 12))
-    return _rate(lambda: env.step(action), num_envs, seconds)
+    return lambda: env.step(action)
 
 
 def ppo_rate(
@@ -148,10 +161,18 @@ def ppo_rate(
         return figures["samples"] / figures["seconds"]
 
 
-def _rate(step: Any, num_envs: int, seconds: float) -> float:
-    step()
-    began, count = time.perf_counter(), 0
-    while time.perf_counter() - began < seconds:
+def in_turns(
+    steps: Sequence[Step], num_envs: int, seconds: float, rounds: int = ROUNDS
+) -> list[float]:
+    """Control periods a second of each, all environments together, `seconds` of each in all."""
+    counts, spent = [0] * len(steps), [0.0] * len(steps)
+    for step in steps:
         step()
-        count += 1
-    return num_envs * count / (time.perf_counter() - began)
+    for _ in range(rounds):
+        for k, step in enumerate(steps):
+            began = time.perf_counter()
+            while (lasted := time.perf_counter() - began) < seconds / rounds:
+                step()
+                counts[k] += 1
+            spent[k] += lasted
+    return [num_envs * count / lasted for count, lasted in zip(counts, spent, strict=True)]

@@ -1,6 +1,7 @@
 """The bench measures real runs, and compares figures by where they stand."""
 
 import json
+import time
 
 import pytest
 
@@ -9,9 +10,10 @@ from studio.evaluation import bench_live
 from studio.evaluation.bench import BenchConfig, compare, percentiles, run_bench
 from studio.evaluation.bench_takes import long_take, performed, takes_cost
 from studio.evaluation.bench_training import (
-    environment_rate,
+    environment_step,
+    in_turns,
     mapper_growth,
-    physics_rate,
+    physics_step,
     training_rates,
 )
 from studio.imitation.bank import build_bank
@@ -53,14 +55,30 @@ def test_an_unreadable_comparison_is_said_before_anything_is_measured(tmp_path):
         run_bench(BenchConfig(compare=tmp_path / "nothing.json"))
 
 
-def test_physics_is_counted_over_all_environments():
-    assert physics_rate(16, 0.2) > 16.0
+def test_what_is_compared_takes_turns_and_every_environment_counts():
+    order: list[str] = []
+
+    def takes(name: str, seconds: float):
+        return lambda: (order.append(name), time.sleep(seconds))
+
+    slow, quick = in_turns((takes("slow", 0.02), takes("quick", 0.01)), 16, 0.3, rounds=3)
+    assert slow == pytest.approx(16 / 0.02, rel=0.3)
+    assert quick == pytest.approx(16 / 0.01, rel=0.3)
+    changes = [name for k, name in enumerate(order[2:]) if order[k + 1] != name]
+    assert changes == ["slow", "quick"] * 3
+
+
+def test_physics_is_timed_of_robots_that_stand():
+    (rate,) = in_turns((physics_step(16),), 16, 0.2)
+    assert rate > 16.0 * 30.0  # quicker than real time
 
 
 @pytest.mark.slow
 def test_training_is_rated_by_environments_and_as_a_share_of_bare_physics(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # training keeps its banks under runs/
-    *rows, ppo = training_rates(0.1, sizes=(2, 16), ppo_envs=8, ppo_samples=400, motions=1)
+    *rows, ppo = training_rates(
+        0.1, sizes=(2, 16), ppo_envs=8, ppo_samples=400, motions=1, rounds=2
+    )
     assert [row["num_envs"] for row in rows] == [2, 16]
     for row in rows:
         assert row["environment_per_s"] > 30.0  # quicker than one robot in real time
@@ -76,7 +94,7 @@ def test_training_is_rated_by_environments_and_as_a_share_of_bare_physics(tmp_pa
 
 def test_a_rate_counts_every_robot_of_every_step():
     bank = build_bank("sit", per_task=1, seconds=2.0, difficulties=(0.4, 1.0))
-    few, many = (environment_rate(n, 0.3, bank) for n in (2, 64))
+    few, many = (in_turns((environment_step(n, bank),), n, 0.3)[0] for n in (2, 64))
     assert many > 2.0 * few  # a step's overhead is shared
 
 
