@@ -16,7 +16,7 @@ from studio.recording.names import RESERVED
 from studio.recording.recorder import META, TAPE
 
 INDEX = ".index.json"
-_VERSION = 1
+_VERSION = 2
 Key = int
 Known = dict[str, tuple[Key, TakeInfo]]
 

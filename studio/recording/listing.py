@@ -20,7 +20,7 @@ from studio.recording.take import read_meta, survey_take
 class TakeInfo:
     """A line of the list. complete: it was stopped properly; recovered: it was not, what is left
     of it is there; recording: it is being written now. Edits (label, keep, score, trim, lag) are
-    the present ones."""
+    the present ones; warped: time is bent too."""
 
     name: str
     label: str = ""
@@ -32,6 +32,7 @@ class TakeInfo:
     kept: bool | None = None
     trim: tuple[float, float] | None = None
     lag: float | None = None
+    warped: bool = False
     note: str | None = None
     undoable: int = 0
     redoable: int = 0
@@ -111,6 +112,7 @@ def _info(
         kept=edits.keep,
         trim=edits.trim,
         lag=edits.lag,
+        warped=bool(edits.warp),
         note=edits.note,
         undoable=log.undoable,
         redoable=log.redoable,

@@ -47,16 +47,19 @@ def align(
     proposed = lag.align(human, robot, a1.CONTROL_DT, others)
     if proposed.correlation == 0.0 and proposed.certainty == 0.0:
         return None, None
-    if edits.warp:
-        return _warped_agreement(table, edits, start, end), proposed
-    return lag.agreement(human, robot, a1.CONTROL_DT, edits.lag or 0.0), proposed
+    return agreement(table, edits), proposed
 
 
-def _warped_agreement(table: Columns, edits: Edits, start: int, end: int) -> Alignment | None:
-    human, robot = _sides(table, start, end, edits)
+def agreement(table: Columns, edits: Edits) -> Alignment | None:
+    """How well both agree as the edits have them; None where there is no telling."""
+    start, end = liveliest(table, kept(len(table), edits))
+    human, robot = _sides(table, start, end, edits if edits.warp else None)
     if human is None or robot is None:
         return None
-    return replace(lag.agreement(human, robot, a1.CONTROL_DT, 0.0), lag=edits.lag or 0.0)
+    late = edits.lag or 0.0
+    # A warp is drawn on top of the lag: what is read through it is in time already.
+    found = lag.agreement(human, robot, a1.CONTROL_DT, 0.0 if edits.warp else late)
+    return replace(found, lag=late)
 
 
 def session_curves(library: SessionLibrary, name: str) -> list[lag.Curve]:
@@ -177,6 +180,7 @@ def accept_alignment(
 ) -> tuple[Alignment | None, Alignment | None]:
     """Make the proposed lag (and a time warp on top) an edit; before and after.
 
+    A warp with which both agree no better than without is left out: nothing wandered, or too much.
     alone: by this take only, though others of its session tell how late the person is.
     Raises StudioError when there is nothing to go by.
     """
@@ -187,15 +191,16 @@ def accept_alignment(
     if before is None or proposed is None:
         raise StudioError(f"take {name} cannot be aligned: nothing moves, or no person was seen")
     late = round(proposed.lag, 4)
-    changes: dict[str, Any] = {"lag": late, "warp": None}
-    if warp:
-        changes["warp"] = propose_warp(table, edits, late) or None
-    library.edit(name, **changes)
-    if changes["warp"]:
-        warped = replace(edits, **changes)
-        after = _warped_agreement(table, warped, *liveliest(table, kept(len(table), warped)))
-        if after is not None:
-            proposed = replace(proposed, correlation=after.correlation)
+    lagged = replace(edits, lag=late, warp=None)
+    knots = propose_warp(table, edits, late) if warp else ()
+    if knots:
+        warped = replace(lagged, warp=knots)
+        with_it, without = agreement(table, warped), agreement(table, lagged)
+        if with_it is None or without is None or with_it.correlation <= without.correlation:
+            knots = ()
+        else:
+            proposed = replace(proposed, correlation=with_it.correlation)
+    library.edit(name, lag=late, warp=knots or None)
     return before, proposed
 
 

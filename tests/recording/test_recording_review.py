@@ -111,6 +111,25 @@ def test_a_warp_is_kept_and_read_back(library: SessionLibrary):
     assert np.all(np.diff(rows) >= -1e-6)
 
 
+def test_a_warp_that_would_agree_no_better_is_left_out(
+    library: SessionLibrary, monkeypatch: pytest.MonkeyPatch
+):
+    def rough(*_: object) -> tuple[tuple[float, float], ...]:
+        return tuple((0.5 * i, 0.2 * (i % 2)) for i in range(12))
+
+    monkeypatch.setattr(synchrony, "propose_warp", rough)
+    done = commands.align_take(library.root, "one", warp=True)
+    assert done["warp"] is None
+    assert done["lag"] is not None
+    assert not library.info("one").warped
+    assert agreement(library) == pytest.approx(done["after"]["correlation"], abs=0.02)
+    library.edit("one", warp=rough())
+    assert library.info("one").warped
+    assert agreement(library) < done["after"]["correlation"] - 0.01
+    library.undo("one")
+    assert not library.info("one").warped
+
+
 @pytest.fixture
 def wandering(tmp_path: Path, acted) -> tuple[SessionLibrary, np.ndarray]:
     """A take of a person who hurries and dawdles by 0.3 s, and what each tick's row really is."""

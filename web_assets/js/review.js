@@ -154,7 +154,11 @@ function drawAlign() {
   if (!proposed || !as) { box.replaceChildren(el("span", { class: "note" }, "nothing moves: no lag to find")); return; }
   const off = Math.abs(proposed.lag - as.lag) > 0.5 / 30;
   const numbers = `${as.correlation.toFixed(2)} → ${proposed.correlation.toFixed(2)}`;
-  const accept = (warp) => attempt(async () => { await post(take("/align"), { accept: true, warp }); await reload(); });
+  const accept = (warp) => attempt(async () => {
+    const done = await post(take("/align"), { accept: true, warp });
+    await reload();
+    if (warp && !done.warped) toast("Evening out the tempo would not agree better: aligned by the lag alone", "good");
+  });
   const compare = el("button", { "aria-pressed": !aligned, title: "Show it as it was recorded, or as it is aligned", onclick: () => { aligned = !aligned; attempt(() => reload()); } }, aligned ? "Before" : "After");
   box.replaceChildren(...(off && info.lag !== 0 ? [
     el("span", {}, `You are `, el("b", {}, `${(proposed.lag - as.lag).toFixed(2)} s`), ` late · agreement ${numbers}`),
@@ -162,9 +166,9 @@ function drawAlign() {
     el("button", { title: "Also even out tempo", onclick: () => accept(true) }, "with warp"),
     el("button", { title: "Leave it as it was acted", id: "align-refuse", onclick: () => attempt(async () => { await post(take("/align"), { accept: false }); await reload(); }) }, "Leave"),
   ] : [
-    el("span", {}, info.lag ? `Aligned by ${info.lag.toFixed(2)} s · agreement ${as.correlation.toFixed(2)}` : info.lag === 0 ? "Left as acted" : `In time · agreement ${as.correlation.toFixed(2)}`),
+    el("span", {}, info.lag ? `Aligned by ${info.lag.toFixed(2)} s${info.warped ? " and warped" : ""} · agreement ${as.correlation.toFixed(2)}` : info.lag === 0 ? "Left as acted" : `In time · agreement ${as.correlation.toFixed(2)}`),
     info.lag ? compare : el("button", { onclick: () => accept(false) }, "Align"),
-    info.lag && !info.warp ? el("button", { title: "Also even out tempo", onclick: () => accept(true) }, "with warp") : "",
+    info.lag && !info.warped ? el("button", { title: "Also even out tempo", onclick: () => accept(true) }, "with warp") : "",
   ]));
 }
 
