@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import os
 from collections.abc import Callable, Iterable
 from dataclasses import fields
 from pathlib import Path
@@ -36,7 +37,7 @@ def kept(folder: Path | None, name: str, key: Any, draw: Callable[[], MotionBank
         return _read(file)
     bank = draw()
     folder.mkdir(parents=True, exist_ok=True)
-    scratch = file.with_suffix(".tmp.npz")  # whole or not at all
+    scratch = file.with_suffix(f".{os.getpid()}.tmp.npz")  # whole, whoever else draws it
     told_by_field = {f.name: getattr(bank, f.name) for f in fields(bank)}
     arrays = {k: np.asarray(v) for k, v in told_by_field.items() if v is not None}
     np.savez(scratch, **arrays)  # pyright: ignore[reportArgumentType]
