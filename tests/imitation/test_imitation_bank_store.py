@@ -1,6 +1,6 @@
 """Banks on disk: what comes back is what was drawn, and nothing else ever."""
 
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -37,7 +37,7 @@ def test_a_kept_bank_comes_back_whole(
 
 def test_what_a_policy_saw_is_kept_too(tmp_path: Path) -> None:
     bank = build_bank("sit", **SETTINGS)  # type: ignore[arg-type]
-    bank = MotionBank(**(vars(bank) | {"seen": bank.feature + 1.0}))
+    bank = replace(bank, seen=bank.feature + 1.0)
     kept(tmp_path, "seen", 1, lambda: bank)
     assert same(kept(tmp_path, "seen", 1, lambda: pytest.fail("drawn again")), bank)
 
