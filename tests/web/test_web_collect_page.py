@@ -116,6 +116,13 @@ def test_takes_are_collected_repaired_learnt_from_and_the_new_mapper_drives(page
     assert client.get(f"/api/takes/{names[0]}").json()["lag"] == pytest.approx(lag, abs=0.05)
     until(page, "() => /Aligned by/.test(document.querySelector('#bench-align').textContent)")
 
+    # Even out the tempo: either it is, or the page says why not.
+    click(page, "#align-warp")
+    bent = "/and warped/.test(document.querySelector('#bench-align').textContent)"
+    told = "[...document.querySelectorAll('.toast')].some((t) => /lag alone/.test(t.textContent))"
+    until(page, f"() => {bent} || {told}")
+    assert page.evaluate(f"() => {bent}") == client.get(f"/api/takes/{names[0]}").json()["warped"]
+
     # Scrub: both figures of that time are in the view's tick.
     client.post("/api/seek", json={"t": 3.0, "playing": False})
     until(page, "() => Math.abs(a1studio.tick.t - 3.0) < 0.02 && a1studio.tick.mode === 'replay'")

@@ -166,9 +166,9 @@ function drawAlign() {
     el("button", { title: "Also even out tempo", onclick: () => accept(true) }, "with warp"),
     el("button", { title: "Leave it as it was acted", id: "align-refuse", onclick: () => attempt(async () => { await post(take("/align"), { accept: false }); await reload(); }) }, "Leave"),
   ] : [
-    el("span", {}, info.lag ? `Aligned by ${info.lag.toFixed(2)} s${info.warped ? " and warped" : ""} · agreement ${as.correlation.toFixed(2)}` : info.lag === 0 ? "Left as acted" : `In time · agreement ${as.correlation.toFixed(2)}`),
+    el("span", {}, info.lag ? `Aligned by ${info.lag.toFixed(2)} s${info.warped ? " and warped" : ""} · agrees ${as.correlation.toFixed(2)}` : info.lag === 0 ? "Left as acted" : `In time · agrees ${as.correlation.toFixed(2)}`),
     info.lag ? compare : el("button", { onclick: () => accept(false) }, "Align"),
-    info.lag && !info.warped ? el("button", { title: "Also even out tempo", onclick: () => accept(true) }, "with warp") : "",
+    info.lag && !info.warped ? el("button", { id: "align-warp", title: "Also even out tempo", onclick: () => accept(true) }, "with warp") : "",
   ]));
 }
 
