@@ -18,7 +18,7 @@ from studio.errors import StudioError, unknown_name
 from studio.evaluation.contenders import CONTROLLERS, Contender, contender
 from studio.imitation import episodes as simulate
 from studio.imitation.bank import MotionBank, task_names
-from studio.imitation.bank_store import digest, library_bank
+from studio.imitation.bank_store import STUDIO, digest, library_bank, save_arrays
 from studio.imitation.policy import MODELS
 from studio.metrics import bootstrap_ci
 from studio.reference.intent import STATES, StateName
@@ -112,7 +112,8 @@ def compare(
                         banks = {state: motions(state, num, HELD_OUT + 1000 * seed + chunk)}
                     env = who.environment(banks[state], num, 1000 * seed + chunk, threads)
                     part.append(simulate.run_episodes(env, who.act))
-                    _keep(file, part[-1])
+                    if file:
+                        save_arrays(file, part[-1])
                 else:
                     with np.load(file) as saved:
                         part.append({k: saved[k] for k in saved.files})
@@ -170,21 +171,12 @@ def _file(
     return cache / f"{motions.__name__}-{state}-{who.name}-{num}-{seed}-{chunk}-{key}.npz"
 
 
-def _keep(file: Path | None, figures: dict[str, Array]) -> None:
-    if file:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        scratch = file.with_suffix(".tmp.npz")
-        np.savez(scratch, **figures)  # type: ignore[arg-type]
-        scratch.rename(file)
-
-
 def _code() -> str:
     """Changes with any code that a row depends on."""
-    studio = Path(__file__).resolve().parents[1]
     files = [
         f
         for room in ("imitation", "reference", "robot", "sim")
-        for f in (studio / room).rglob("*.py")
+        for f in (STUDIO / room).rglob("*.py")
     ]
-    files += [studio / "spatial.py", studio / "evaluation" / "disturbed.py"]
+    files += [STUDIO / "spatial.py", STUDIO / "evaluation" / "disturbed.py"]
     return digest(files)

@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from studio.imitation.bank import MotionBank, build_bank, task_names
 from studio.reference.intent import StateName
-from studio.robot import kinematics
 
-STUDIO = Path(kinematics.__file__).resolve().parents[1]
+STUDIO = Path(__file__).resolve().parents[1]
 DRAWN_BY = ("bank", "controller", "crossing", "transition")
 """This room's files that a bank's motions depend on."""
 
@@ -36,13 +36,17 @@ def kept(folder: Path | None, name: str, key: Any, draw: Callable[[], MotionBank
     if file.exists():
         return _read(file)
     bank = draw()
-    folder.mkdir(parents=True, exist_ok=True)
-    scratch = file.with_suffix(f".{os.getpid()}.tmp.npz")  # whole, whoever else draws it
-    told_by_field = {f.name: getattr(bank, f.name) for f in fields(bank)}
-    arrays = {k: np.asarray(v) for k, v in told_by_field.items() if v is not None}
+    values = {f.name: getattr(bank, f.name) for f in fields(bank)}
+    save_arrays(file, {k: np.asarray(v) for k, v in values.items() if v is not None})
+    return bank
+
+
+def save_arrays(file: Path, arrays: dict[str, NDArray[Any]]) -> None:
+    """An .npz, whole or not at all, whoever else is writing it."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    scratch = file.with_suffix(f".{os.getpid()}.tmp.npz")
     np.savez(scratch, **arrays)  # pyright: ignore[reportArgumentType]
     scratch.rename(file)
-    return bank
 
 
 def library_bank(folder: Path | None, state: StateName, **drawn: Any) -> MotionBank:

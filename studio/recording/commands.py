@@ -79,9 +79,8 @@ def align_take(
     """Find how late the person was and take it out: {"before", "after", "lag", "warp"}.
 
     warp: bend time too, where the tempo wandered; null in the answer where both agree no better
-    with it. refuse: leave the take as it was acted, on
-    purpose. show: only say what would be done. alone: by this take only, not by the others of its
-    session. `takes undo` takes it back.
+    with it. refuse: leave the take as it was acted, on purpose. show: only say what would be done.
+    alone: by this take only, not by the others of its session. `takes undo` takes it back.
     """
     library = SessionLibrary(sessions)
     if show:

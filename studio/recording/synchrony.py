@@ -39,26 +39,32 @@ def align(
 
     others: curves of the session's other takes, see `session_curves`.
     """
-    start, end = liveliest(table, kept(len(table), edits))
-    human, robot = _sides(table, start, end)
-    if human is None or robot is None:
+    acted = _both(table, edits)
+    if acted is None:
         return None, None
-    proposed = lag.align(human, robot, a1.CONTROL_DT, others)
+    proposed = lag.align(*acted, a1.CONTROL_DT, others)
     if proposed.correlation == 0.0 and proposed.certainty == 0.0:
         return None, None
-    return agreement(table, edits), proposed
+    if edits.warp:
+        return _warped_agreement(table, edits), proposed
+    return lag.agreement(*acted, a1.CONTROL_DT, edits.lag or 0.0), proposed
 
 
-def agreement(table: Columns, edits: Edits) -> Alignment | None:
-    """How well both agree as the edits have them; None where there is no telling."""
-    start, end = liveliest(table, kept(len(table), edits))
-    human, robot = _sides(table, start, end, edits if edits.warp else None)
-    if human is None or robot is None:
+def _warped_agreement(table: Columns, edits: Edits) -> Alignment | None:
+    both = _both(table, edits, edits)
+    if both is None:
         return None
-    late = edits.lag or 0.0
     # A warp is drawn on top of the lag: what is read through it is in time already.
-    found = lag.agreement(human, robot, a1.CONTROL_DT, 0.0 if edits.warp else late)
-    return replace(found, lag=late)
+    return replace(lag.agreement(*both, a1.CONTROL_DT, 0.0), lag=edits.lag or 0.0)
+
+
+def _both(
+    table: Columns, edits: Edits, aligned: Edits | None = None
+) -> tuple[lag.HumanSide, lag.RobotSide] | None:
+    """`_sides` over the liveliest stretch of what the edits keep, None where one is missing."""
+    start, end = liveliest(table, kept(len(table), edits))
+    human, robot = _sides(table, start, end, aligned)
+    return None if human is None or robot is None else (human, robot)
 
 
 def session_curves(library: SessionLibrary, name: str) -> list[lag.Curve]:
@@ -190,12 +196,11 @@ def accept_alignment(
     if before is None or proposed is None:
         raise StudioError(f"take {name} cannot be aligned: nothing moves, or no person was seen")
     late = round(proposed.lag, 4)
-    lagged = replace(edits, lag=late, warp=None)
     knots = propose_warp(table, edits, late) if warp else ()
-    if knots:
-        warped = replace(lagged, warp=knots)
-        with_it, without = agreement(table, warped), agreement(table, lagged)
-        if with_it is None or without is None or with_it.correlation <= without.correlation:
+    if knots and (acted := _both(table, edits)):
+        without = lag.agreement(*acted, a1.CONTROL_DT, late)
+        with_it = _warped_agreement(table, replace(edits, lag=late, warp=knots))
+        if with_it is None or with_it.correlation <= without.correlation:
             knots = ()
         else:
             proposed = replace(proposed, correlation=with_it.correlation)

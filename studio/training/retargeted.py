@@ -67,7 +67,7 @@ def with_people(bank: MotionBank, people: int, seed: int, cache: Path | None = N
         return bank
     drawn = bank.state, people, seed, bank.frames
     everything = [*STUDIO.rglob("*.py"), *(MODELS / "mapper").rglob("*.safetensors")]
-    key = [digest(everything) if cache else "", *drawn]
+    key = [digest(everything), *drawn]
     acted = kept(cache, f"people-{bank.state}", key, lambda: acted_bank(*drawn))
     return merged([bank, acted], bank.state)
 

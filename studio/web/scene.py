@@ -103,14 +103,16 @@ class RobotFigure:
             self._batches.append((np.array([a1.LINKS.index(link) for link in links]), batch))
 
     def update(self, pose: RobotPose, shift: Array) -> float:
-        """Draw the pose, its world moved by `shift` (3,) m; returns how high it reaches, m."""
+        """Draw the pose, its world moved by `shift` (3,) m; returns how high it reaches, m.
+
+        But for its feet, which are not links.
+        """
         pos, quat = link_frames_w(pose.base_pos, pose.base_quat, pose.joint_pos)
         pos = pos + shift
         for links, batch in self._batches:
             batch.move(pos[links], quat[links])
         ends = pos[0] + quat_rotate(quat[0], NOSE_AND_TAIL)
-        feet = foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos) + shift
-        return float(max(ends[:, 2].max(), feet[:, 2].max(), pos[:, 2].max()))
+        return float(max(ends[:, 2].max(), pos[:, 2].max()))
 
 
 class Caption:
@@ -169,8 +171,10 @@ class StudioScene:
             shadow_opacity=0.32,
         )
         self._human = HumanFigure(scene)
-        self._reference = RobotFigure(scene, "reference", tint=REFERENCE_TINT, opacity=0.62)
-        self._robot = RobotFigure(scene, "robot")
+        self._figures = {
+            "reference": RobotFigure(scene, "reference", tint=REFERENCE_TINT, opacity=0.62),
+            "robot": RobotFigure(scene, "robot"),
+        }
         self._contacts = Batch(
             scene,
             "/contacts",
@@ -190,30 +194,28 @@ class StudioScene:
             self._human.reset()
         self._last_t = tick.t
         with self._server.atomic():
-            tops = {"human": self._human.update(tick.human, dt)}
+            self._captions["human"].rise(self._human.update(tick.human, dt), dt)
+            ref = tick.reference
+            feet = {
+                "reference": foot_pos_w(ref.base_pos, ref.base_quat, ref.joint_pos),
+                "robot": tick.robot.foot_pos_w,
+            }
             shifts = {}
-            for name, pose in (("reference", tick.reference), ("robot", tick.robot)):
+            for name, pose in (("reference", ref), ("robot", tick.robot)):
                 xy = self._follow[name].push(pose.base_pos[:2], dt)
                 shifts[name] = COLUMNS[name] - np.array([xy[0], xy[1], 0.0])
-            tops["reference"] = self._reference.update(tick.reference, shifts["reference"])
-            tops["robot"] = self._robot.update(tick.robot, shifts["robot"])
-            for name, caption in self._captions.items():
-                caption.rise(tops[name], dt)
-            self._update_contacts(tick, shifts)
+                feet[name] = feet[name] + shifts[name]
+                top = self._figures[name].update(pose, shifts[name])
+                self._captions[name].rise(max(top, feet[name][:, 2].max()), dt)
+            self._update_contacts(tick, np.concatenate([feet["reference"], feet["robot"]]))
             # The floor passes under the simulated robot; its pattern repeats every section.
             floor = -np.mod(ROBOT_COLUMN - shifts["robot"], GRID_SECTION)
             self._floor.position = (float(floor[0]), float(floor[1]), 0.0)
         self._server.flush()
 
-    def _update_contacts(self, tick: Tick, shifts: dict[str, Array]) -> None:
-        pose = tick.reference
-        feet = np.concatenate(
-            [
-                foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos) + shifts["reference"],
-                tick.robot.foot_pos_w + shifts["robot"],
-            ]
-        )
-        contact = np.concatenate([pose.foot_contact, tick.robot.foot_contact])[:, None]
+    def _update_contacts(self, tick: Tick, feet: Array) -> None:
+        """Discs under the feet (8, 3) of both robots, green where one stands."""
+        contact = np.concatenate([tick.reference.foot_contact, tick.robot.foot_contact])[:, None]
         feet[:, 2] = 0.002
         contact = np.clip(contact, 0.0, 1.0)
         radius = np.repeat(CONTACT_RADIUS * (0.55 + 0.45 * contact), 3, axis=1)
