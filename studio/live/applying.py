@@ -105,7 +105,7 @@ def _(command: c.Stop, session: "Session", now: float) -> Made:
     session.collector.abort("stopped: the take was thrown away")
     if session.replay is not None:
         session.replay.playing = False
-    return {}
+    return {"stop": session.safety.stops}
 
 
 @apply.register(c.Reset)

@@ -171,6 +171,9 @@ class SetStyle:
     style: str
 
 
+RELEASES = (Reset, Arm)
+"""What lets a stopped robot move again."""
+
 Command = (
     SetMode
     | SetStateLock

@@ -27,9 +27,13 @@ OVERRUN_WINDOW, OVERRUN_SHARE = 30, 0.8
 
 @dataclass(kw_only=True)
 class _Request:
-    """A command on its way, and its answer on the way back."""
+    """A command on its way, and its answer on the way back.
+
+    seen: how many stops had been answered when it was sent.
+    """
 
     command: Any
+    seen: int
     done: threading.Event = field(default_factory=threading.Event)
     result: c.Result = field(default_factory=lambda: c.Result(ok=False, why="not answered"))
 
@@ -56,6 +60,9 @@ class LiveLoop:
         self._requests: BoundedQueue[_Request] = BoundedQueue()
         self._stops: BoundedQueue[_Request] = BoundedQueue(4096)  # a stop finds room always
         self._refused = 0
+        self.stops = 0
+        """Stops answered so far, falls and faults among them: who sends a release says which of
+        them were known by then."""
         self._state: dict[str, Any] = {}
         self._running = threading.Event()
         self._thread: threading.Thread | None = None
@@ -67,16 +74,20 @@ class LiveLoop:
 
     # From any thread ----------------------------------------------------------------------------
 
-    def submit(self, command: Any, timeout: float = 8.0) -> c.Result:
+    def submit(self, command: Any, timeout: float = 8.0, seen: int | None = None) -> c.Result:
         """Have a command applied; waits until after the tick that did, at most `timeout` s.
 
         What takes long (opening a source, reading a take) happens here, on the caller's thread.
+        seen: `stops` when it was sent, now by default. What would release a stopped robot is
+        refused where another stop came since: whatever was on its way, a stop that was answered
+        holds.
         """
+        seen = self.stops if seen is None else seen
         try:
             command = prepared(self.session, command)
         except StudioError as error:
             return c.Result(ok=False, why=str(error), state=self.state_dict())
-        request = _Request(command=command)
+        request = _Request(command=command, seen=seen)
         queue = self._stops if isinstance(command, c.Stop) else self._requests
         if not queue.put(request):
             return c.Result(ok=False, why="too many commands wait: try again", state=self._state)
@@ -87,7 +98,7 @@ class LiveLoop:
     def post(self, command: Any) -> bool:
         """Have a command applied at the next tick, without waiting; False when too many wait."""
         queue = self._stops if isinstance(command, c.Stop) else self._requests
-        return queue.put(_Request(command=command))
+        return queue.put(_Request(command=command, seen=self.stops))
 
     def beat(self, page: str) -> None:
         """The page in control lives."""
@@ -164,9 +175,10 @@ class LiveLoop:
     def tick(self) -> None:
         """One control period: commands, source, flow, record, publish, answers."""
         now = self.clock.now()
-        requests = self._stops.drain() + self._requests.drain()
+        # Stops last: nothing that was sent before or beside one may undo it.
+        requests = self._requests.drain() + self._stops.drain()
         for request in requests:
-            request.result = self._apply(request.command, now)
+            request.result = self._apply(request, now)
         try:
             tick = self._with_loop_counters(self.session.step(now, self.overrun))
             self.ticks.publish(tick)
@@ -174,6 +186,7 @@ class LiveLoop:
         except Exception:
             log.exception("a control period failed; the robot is stopped")
             self._state = {**self._state, "stopped": True, "why": self.session.safety.reason}
+        self.stops = self.session.safety.stops
         for request in requests:
             request.result = replace(request.result, state=self._state)
             request.done.set()
@@ -184,7 +197,10 @@ class LiveLoop:
         full = len(self._late) == OVERRUN_WINDOW
         return full and sum(self._late) > OVERRUN_SHARE * OVERRUN_WINDOW
 
-    def _apply(self, command: Any, now: float) -> c.Result:
+    def _apply(self, request: _Request, now: float) -> c.Result:
+        command = request.command
+        if isinstance(command, c.RELEASES) and request.seen < self.session.safety.stops:
+            return c.Result(ok=False, why="a stop came after this was sent: send it again")
         try:
             return c.Result(ok=True, data=self.session.apply(command, now))
         except StudioError as error:

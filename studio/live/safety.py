@@ -5,6 +5,7 @@
                            500 ms   stand
     page in control silent  400 ms   stand (begun within 0.5 s of its loss)
     emergency stop, fall, fault      damping, latched: reset (stand up), then arm (1 s ramp)
+    fall of the page's own demo      damping; 3 s later it stands up and goes on, unless stopped
 
 It decides from times and flags that it is told, never from a clock of its own.
 """
@@ -18,6 +19,7 @@ HOLD_AFTER = 0.3
 STAND_AFTER = 0.5
 PAGE_LOST_AFTER = 0.4
 ARM_RAMP = 1.0
+DEMO_LIES = 3.0
 """s."""
 _EPS = 1e-9
 
@@ -49,10 +51,13 @@ class Safety:
     but for `beat`, which any thread may."""
 
     def __init__(self, *, armed: bool = False) -> None:
+        self.stops = 0  # so far: presses, falls and faults
         self.stopped = False
         self.needs_reset = False
         self.armed = armed
         self.reason = ""
+        self.falls = 0
+        self._rises_at: float | None = None
         self._armed_at: float | None = None
         self._holder: str | None = None
         self._left: str | None = None
@@ -64,10 +69,26 @@ class Safety:
         """Damping, latched until reset and arm."""
         self.stopped, self.needs_reset, self.armed = True, True, False
         self.reason = reason
+        self.stops += 1
+        self._rises_at = None
+
+    def fall(self, now: float, *, demo: bool) -> None:
+        """The robot fell: as a stop. demo: nobody drives it, it may stand up by itself."""
+        again = not self.stopped
+        self.falls += 1
+        self.stop("the robot fell")
+        if demo and again:
+            self._rises_at = now + DEMO_LIES
+
+    def rises(self, now: float, *, demo: bool) -> bool:
+        """It is time for a fallen demo to stand up; no longer, once somebody else drives."""
+        if not demo:
+            self._rises_at = None
+        return self._rises_at is not None and now >= self._rises_at - _EPS
 
     def reset(self) -> None:
         """The robot stands up; a latched stop stays."""
-        self.needs_reset = False
+        self.needs_reset, self._rises_at = False, None
 
     def arm(self, now: float) -> str:
         """Release the latch; the robot follows again over a ramp. Why not, or "".
@@ -125,6 +146,8 @@ class Safety:
         if not self.stopped:
             return ""
         then = "reset, then arm" if self.needs_reset else "the robot is up, arm to go on"
+        if self._rises_at is not None:
+            then = f"it stands up by itself after {DEMO_LIES:.0f} s"
         return f"stopped: {self.reason}; {then}"
 
     def _decide(self, s: Situation) -> tuple[Directive, bool, str]:

@@ -71,6 +71,7 @@ class Session:
             tick = self.replay.step()
             self._replayed += tick.human_fresh
             return replace(tick, counters=self.counters(), why=self.safety.stop_line or tick.why)
+        self._stand_up_if_demo(now)
         shown, collecting = self._collect()
         human = self.reading.read(now)
         orders = self.safety.orders(
@@ -90,7 +91,7 @@ class Session:
             self.puppeteer.place("stand")
             raise
         if tick.fallen and not self.safety.stopped:
-            self.safety.stop("the robot fell")
+            self.safety.fall(now, demo=self._demo)
         tick = replace(tick, counters=self.counters())
         if collecting is not None:
             self.collector.write(collecting, self.about(), self._calibration())
@@ -101,7 +102,24 @@ class Session:
         """Totals since the start."""
         own = self.puppeteer.counters
         rejected = own["rejected"] + self.reading.rejected
-        return {**own, "frames": own["frames"] + self._replayed, "rejected": rejected}
+        return {
+            **own,
+            "frames": own["frames"] + self._replayed,
+            "rejected": rejected,
+            "falls": self.safety.falls,
+        }
+
+    @property
+    def _demo(self) -> bool:
+        """Nobody drives: the synthetic person tours by itself."""
+        return self.mode == "live" and self.source.name == "operator"
+
+    def _stand_up_if_demo(self, now: float) -> None:
+        if self.safety.rises(now, demo=self._demo):
+            self.puppeteer.stand_up()
+            self.safety.reset()
+            self.safety.arm(now)
+            self.puppeteer.rejoin()
 
     def watch(self, opened: OpenedSource, now: float, played: float = 0.0) -> None:
         """Another person from here on, whose source began `played` s ago."""

@@ -38,6 +38,8 @@ def state_dict(session: "Session", tick: Tick, period_error_ms: deque[float]) ->
         "expert": tick.expert,
         "votes": {name: round(float(share), 3) for name, share in tick.votes.items()},
         "stopped": safety.stopped,
+        "stops": safety.stops,
+        "needs_reset": safety.needs_reset,
         "armed": safety.armed,
         "fallen": tick.fallen,
         "why": tick.why,

@@ -44,11 +44,18 @@ class Hub:
         self.at_close: list[Callable[[], None]] = []
         self.workers = ThreadPoolExecutor(max_workers=8, thread_name_prefix="gateway")
 
-    async def submit(self, command: Command) -> Result:
-        """Ask the loop from the event loop, which goes on meanwhile."""
+    async def submit(self, command: Command, seen: int | None = None) -> Result:
+        """Ask the loop from the event loop, which goes on meanwhile.
+
+        seen: the stops that the sender knew of, those answered by now if it does not say.
+        """
+        known = self.loop.stops  # now: later, in a pool, it may have become too late to ask
+        seen = known if seen is None else min(seen, known)
         pool = self.stops if isinstance(command, Stop) else self.workers
         event_loop = asyncio.get_running_loop()
-        return await event_loop.run_in_executor(pool, self.loop.submit, command, ANSWER_TIMEOUT)
+        return await event_loop.run_in_executor(
+            pool, self.loop.submit, command, ANSWER_TIMEOUT, seen
+        )
 
     async def apply(self, command: Command, request: Request | None = None) -> Result:
         """Submit for a request; 409 with `why` if the loop, or whoever holds control, refuses."""
@@ -56,7 +63,7 @@ class Hub:
         why = "" if isinstance(command, Stop) else self.desk.refusal(page)
         if why:
             raise refused(why)
-        result = await self.submit(command)
+        result = await self.submit(command, _stops_seen(request))
         if not result.ok:
             raise refused(result.why)
         return result
@@ -91,3 +98,9 @@ def misfit(error: RequestValidationError) -> str:
         f"{'.'.join(str(part) for part in e['loc'][1:]) or 'body'}: {e['msg']}"
         for e in error.errors()
     )
+
+
+def _stops_seen(request: Request | None) -> int | None:
+    """`stops` of the state that the page showed when its user pressed the button, if it says."""
+    seen = request.headers.get("x-studio-stops", "") if request is not None else ""
+    return int(seen) if seen.isascii() and seen.isdigit() and len(seen) < 10 else None

@@ -144,7 +144,7 @@ function drawState(state) {
   const stopped = Boolean(state.stopped);
   $("#stopped").hidden = !stopped;
   $(".stage").classList.toggle("is-stopped", stopped);
-  const needsReset = stopped && !/robot is up/.test(state.why);
+  const needsReset = stopped && state.needs_reset;
   $("#reset").classList.toggle("next", needsReset);
   $("#arm").classList.toggle("next", !needsReset && !state.armed);
   $("#arm").disabled = Boolean(state.armed) && !stopped;
