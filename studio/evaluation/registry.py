@@ -11,7 +11,7 @@ from studio.errors import unknown_name
 NAMES = (
     "tracking", "ablation", "curriculum", "future", "tilt", "walk", "workspace", "composite",
     "latency", "styles", "people", "pairs", "baselines", "transitions",
-    "reach", "kicks",
+    "reach", "kicks", "endurance",
 )  # fmt: skip
 """Names that contract.md fixes, then our own; those without a file here are not built yet."""
 

@@ -175,8 +175,10 @@ class ObservationConfig:
         """Name, frames and length of each block in order, for whoever runs the policy alone."""
         z = "joint_pos[12] roll pitch roll_rate pitch_rate" + (" yaw_rate" if self.yaw_rate else "")
         p = "joint_pos[12] base_height roll pitch yaw_rate vel_forward vel_left"
-        if self.heading_gain or self.place_gain:
-            p += " (yaw_rate and vel += gain * error of heading and place)"
+        held = {"yaw_rate": ("heading", self.heading_gain), "vel": ("place", self.place_gain)}
+        told = [f"{field} += gain * error of {of}" for field, (of, gain) in held.items() if gain]
+        if told:
+            p += f" ({', '.join(told)})"
         blocks: list[dict[str, object]] = [
             {"name": "z", "frames": "t-3..t", "fields": z, "size": FRAMES * self.sensor_dim},
             {"name": "a", "frames": "t-3..t-1", "fields": "action[12]", "size": 36},

@@ -68,7 +68,7 @@ class Policy:
     """One expert and the history it sees. One thread only; `reset` before the first action."""
 
     def __init__(self, tensors: dict[str, NDArray[np.float32]], manifest: dict[str, Any]) -> None:
-        self.manifest = manifest
+        self.manifest, self._tensors = manifest, tensors
         self.observation = ObservationConfig(**manifest["observation"])
         self.layers = Network(tensors)
         self.network: Network | Symmetric = self.layers
@@ -102,6 +102,12 @@ class Policy:
             ) from error
         except (SafetensorError, ValueError, KeyError, TypeError) as error:
             raise StudioError(f"policy {path} cannot be read: {error}; train it again") from error
+
+    def observing(self, observation: ObservationConfig) -> "Policy":
+        """The same network behind other gains of the observation (its blocks must stay)."""
+        assert observation.dim == self.observation.dim
+        manifest = {**self.manifest, "observation": asdict(observation)}
+        return Policy(self._tensors, manifest)
 
     def reset(self, reference: ReferencePose, robot: RobotState) -> None:
         """Forget the past; the history is filled with the present."""

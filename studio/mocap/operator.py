@@ -65,11 +65,20 @@ class _Performed:
 class OperatorSource(_Performed):
     """The synthetic person touring every task (`task` None) or repeating one. Endless."""
 
-    def __init__(self, task: str | None = None, *, seed: int = 0, style: str = "march") -> None:
-        """Raises StudioError for a task the reference library does not have."""
+    def __init__(
+        self,
+        task: str | None = None,
+        *,
+        seed: int = 0,
+        style: str = "march",
+        sensor: str = "mocap",
+    ) -> None:
+        """sensor: as in `Person.sample`; a good studio's unless a table asks for a worse one.
+
+        Raises StudioError for a task the reference library does not have.
+        """
         person_rng, acting, self._script_rng = np.random.default_rng(seed).spawn(3)
-        # The operator stands in a good studio: camera noise is for training and evaluation.
-        person = Person.sample(person_rng, sensor="mocap", style=style).still()
+        person = Person.sample(person_rng, sensor=sensor, style=style).still()
         super().__init__("operator" if task is None else f"operator:{task}", person, acting)
         self._more = self._touring() if task is None else self._repeating(task)
         self._script = np.zeros((0, sig.NUM))

@@ -11,10 +11,12 @@ from studio import spatial
 from studio.errors import StudioError
 from studio.robot import a1, kinematics
 from studio.robot.pose import RobotPose, RobotState
+from studio.sim import randomize
 from studio.sim.spec import ModelConfig, Prop, build_model
 
 Array = NDArray[np.float64]
 
+_VARIED = ("body_mass", "body_inertia")
 _HOME = RobotPose(
     base_pos=np.array([0.0, 0.0, a1.STAND_HEIGHT]),
     base_quat=spatial.IDENTITY_QUAT,
@@ -64,8 +66,33 @@ class World:
                 " of it"
             )
         self._classify_geoms()
+        self._nominal = {name: np.array(getattr(self.model, name)) for name in _VARIED}
+        self._kp, self._kd, self._delay = config.model.kp, config.model.kd, 0.0
+        self._ground = spatial.IDENTITY_QUAT
         self.damping = False
         self.state = self.reset()
+
+    def set_dynamics(self, drawn: randomize.Dynamics) -> None:
+        """A robot and a ground other than the nominal ones: one draw of Table I, absolute.
+
+        The floor itself is tilted, about the origin: base_quat stays what an IMU would say. The
+        jitter of the control period is not applied. Call `reset` after it.
+        """
+        assert len(drawn) == 1
+        model = self.model
+        links = np.flatnonzero(self._nominal["body_mass"] > 0.0)
+        factor = np.ones(model.nbody)
+        factor[links[: drawn.mass.shape[1]]] = drawn.mass[0]
+        model.body_mass[:] = self._nominal["body_mass"] * factor
+        model.body_inertia[:] = self._nominal["body_inertia"] * factor[:, None]
+        model.geom_friction[:, 0] = drawn.friction[0]
+        self._kp = self.config.model.kp * float(drawn.kp[0])
+        self._kd = self.config.model.kd * float(drawn.kd[0])
+        self._delay = float(drawn.delay[0])
+        self._ground = spatial.quat_from_rotvec(np.append(drawn.slope_axis[0], 0.0))
+        model.geom_quat[model.geom("floor").id] = self._ground
+        mujoco.mj_setConst(model, self.data)
+        self.set_damping(self.damping)
 
     def _classify_geoms(self) -> None:
         model = self.model
@@ -93,8 +120,11 @@ class World:
         joint_pos = np.clip(pose.joint_pos, a1.JOINT_LOWER, a1.JOINT_UPPER)
         base_pos = np.array([pose.base_pos[0], pose.base_pos[1], 0.0])
         base_pos[2] = -lowest_point(base_pos, quat, joint_pos)
+        if self._ground is not spatial.IDENTITY_QUAT:
+            base_pos = spatial.quat_rotate(self._ground, base_pos)
+            quat = spatial.quat_mul(self._ground, quat)
         self.data.qpos[:3], self.data.qpos[3:7], self.data.qpos[7:19] = base_pos, quat, joint_pos
-        self.data.ctrl[:12] = joint_pos
+        self._told = self.data.ctrl[:12] = joint_pos
         mujoco.mj_forward(self.model, self.data)
         self.state = self._read(np.zeros(12))
         return self.state
@@ -111,22 +141,29 @@ class World:
             raise StudioError("a target must be 12 finite joint angles in rad (a1.JOINTS)")
         target = np.minimum(np.maximum(target, a1.JOINT_LOWER), a1.JOINT_UPPER)
         model, data = self.model, self.data
-        data.ctrl[:12] = target
+        late, self._told = self._told, target
         speed, torque = data.qvel[6:18], data.actuator_force
         peak, peak_size = np.zeros(12), np.zeros(12)
         knee = self.config.free_speed - a1.TORQUE_LIMIT[0] / self.config.speed_slope
-        for _ in range(self.substeps):
+        for k in range(self.substeps):
+            target = self._told if self._delay == 0.0 else self._after_delay(late, k)
+            data.ctrl[:12] = target
             if max(speed.max(), -speed.min()) > knee:
                 data.ctrl[:12] = self._within_motor_curve(target)
             mujoco.mj_step(model, data)
             size = np.abs(torque[:12])
             larger = size > peak_size
             peak[larger], peak_size[larger] = torque[:12][larger], size[larger]
-            data.ctrl[:12] = target
         if not np.isfinite(data.qpos[:19]).all():
             raise StudioError("the simulation diverged; reset the robot")
         self.state = self._read(peak)
         return self.state
+
+    def _after_delay(self, late: Array, substep: int) -> Array:
+        """What the motors are told in a substep of a target that comes `_delay` s late."""
+        dt = self.config.model.timestep
+        share = min(max(((substep + 1) * dt - self._delay) / dt, 0.0), 1.0)
+        return (1.0 - share) * late + share * self._told
 
     def _within_motor_curve(self, target: Array) -> Array:
         """Targets whose torque stays under the motor's torque-speed curve at the present speed.
@@ -137,7 +174,7 @@ class World:
         if self.damping:
             return target
         q, qd = self.data.qpos[7:19], self.data.qvel[6:18]
-        kp, kd = self.config.model.kp, self.config.model.kd
+        kp, kd = self._kp, self._kd
         slope = self.config.speed_slope
         free, rate = self.config.free_speed, self.config.stop_rate
         upper = slope * (np.minimum(free, rate * (a1.JOINT_UPPER - q)) - qd)
@@ -156,8 +193,7 @@ class World:
     def set_damping(self, on: bool) -> None:
         """Damping mode: no stiffness, only damping, whatever the targets; off restores the PD."""
         self.damping = on
-        config = self.config.model
-        kp, kd = (0.0, self.config.damping_kd) if on else (config.kp, config.kd)
+        kp, kd = (0.0, self.config.damping_kd) if on else (self._kp, self._kd)
         self.model.actuator_gainprm[:12, 0] = kp
         self.model.actuator_biasprm[:12, 1] = -kp
         self.model.actuator_biasprm[:12, 2] = -kd

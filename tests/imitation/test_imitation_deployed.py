@@ -1,5 +1,6 @@
 """The shipped policies act live as they were trained to: one robot's path beside the batch's."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -95,9 +96,13 @@ def live_poses(env: ImitationEnv, step: int) -> tuple[ReferencePose, RobotState]
     return reference, robot
 
 
+@pytest.mark.parametrize("place_gain", [0.0, 1.0])
 @pytest.mark.parametrize("name", SHIPPED + OTHERS)
-def test_a_shipped_policy_acts_live_as_in_training(name: str) -> None:
+def test_a_shipped_policy_acts_live_as_in_training(name: str, place_gain: float) -> None:
     policy = Policy.load(MODELS / f"{name}.safetensors")
+    if place_gain and not name.endswith("walk"):
+        pytest.skip("only walking was trained to hold its place")
+    policy = policy.observing(replace(policy.observation, place_gain=place_gain))
     env = environment(policy)
     env.reset()
     learner = TorchEnv(env)
@@ -128,7 +133,8 @@ def test_a_shipped_policy_acts_live_as_in_training(name: str) -> None:
 def test_the_shipped_policies_hold_and_mirror_as_their_sidecars_say() -> None:
     """What the test above is to cover is there: held ways, symmetric weights."""
     facts = {name: Policy.load(name) for name in SHIPPED}
-    assert facts["walk"].observation.place_gain > 0.0
+    # What the place correction bought in drift it cost in falls: see `evaluate endurance`.
+    assert all(p.observation.place_gain == 0.0 for p in facts.values())
     assert facts["walk"].observation.heading_gain > 0.0
     assert any(p.manifest.get("symmetric", False) for p in facts.values())
 
