@@ -12,7 +12,7 @@ from studio.mocap.bvh import load_bvh
 from studio.mocap.frames import load_frames
 from studio.recording import adding, commands
 from studio.recording.library import SessionLibrary
-from studio.recording.names import slug, take_folder
+from studio.recording.names import check_take, slug, take_folder
 from studio.recording.recorder import TAPE
 from studio.recording.take import Recorder, Take
 from studio.recording.tick import Tick
@@ -76,7 +76,7 @@ def import_human(
     if beside is not None and "collect" in (beside.meta.get("about") or {}):
         about["collect"] = beside.meta["about"]["collect"]
     label = beside.label if beside is not None else slug(file.stem)
-    if name is not None and take_folder(sessions, name).exists():
+    if name is not None and take_folder(sessions, check_take(name)).exists():
         raise StudioError(f"a take named {name} exists: give another name")
     try:
         Path(sessions).mkdir(parents=True, exist_ok=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 from studio.errors import StudioError
 from studio.recording.archive import unpack_takes
 from studio.recording.edits import EDITS
-from studio.recording.names import fit_name, take_folder
+from studio.recording.names import check_take, fit_name, take_folder
 from studio.recording.recorder import META, TAPE
 from studio.recording.take import survey_take
 
@@ -26,7 +26,7 @@ def add_take(root: Path, folder: Path, name: str | None = None, *, link: bool = 
     if not link:
         survey_take(source)  # refuses what is no take, or of another version
     name = name or source.name
-    target = take_folder(root, name)
+    target = take_folder(root, check_take(name))
     if target.exists():
         raise StudioError(f"a take named {name} exists: give another name")
     files = [source / f for f in (META, TAPE, EDITS) if (source / f).is_file()]

@@ -4,6 +4,7 @@ Only members called as a take's files are read, into folders named here; of a me
 name of its folder is kept, made fit.
 """
 
+import shutil
 import zipfile
 import zlib
 from pathlib import Path, PurePosixPath
@@ -18,6 +19,8 @@ FILES = (TAPE, META, EDITS)
 MAX_UNPACKED = 8 * 2**30
 """Bytes: forty hours of takes. What unpacks to more is refused, whatever its header says."""
 MAX_TAKES = 10_000
+SPARE = 1 << 28
+"""Bytes that stay free on the disk: somebody may be recording there."""
 _BLOCK = 1 << 20
 
 
@@ -36,7 +39,7 @@ def unpack_takes(file: Path, into: Path, most: int = MAX_UNPACKED) -> list[Path]
                 )
             if len(found) > MAX_TAKES:
                 raise StudioError(f"{file.name} holds more than {MAX_TAKES} takes: import fewer")
-            left, folders = most, []
+            left, folders = _room(file, found, into, most), []
             for number, (name, members) in enumerate(found.items()):
                 # A folder of its own each: two may be called alike.
                 folder = into / str(number) / fit_name(name, fit_name(file.stem))
@@ -68,6 +71,19 @@ def _by_folder(archive: zipfile.ZipFile) -> dict[str, list[zipfile.ZipInfo]]:
             name = folder.name if folder.name not in out else f"{folder.name}-{len(out)}"
             out[name] = list(folders[folder].values())
     return out
+
+
+def _room(file: Path, found: dict[str, list[zipfile.ZipInfo]], into: Path, most: int) -> int:
+    """Bytes that may be unpacked; StudioError where what the zip claims is more."""
+    claimed = sum(member.file_size for members in found.values() for member in members)
+    free = (shutil.disk_usage(into).free - SPARE) // 2  # unpacked, then copied
+    if claimed > min(most, free):
+        why = f", {max(0, free) / 2**30:.1f} GB are free for it" if free < most else ""
+        raise StudioError(
+            f"{file.name} unpacks to {claimed / 2**30:.1f} GB, more than can be taken in{why}:"
+            " import fewer takes"
+        )
+    return min(most, free)
 
 
 def _copy(source: IO[bytes], out: IO[bytes], most: int) -> int:

@@ -11,6 +11,7 @@ import numpy as np
 
 from studio.human.pose import HumanPose
 from studio.human.skeleton import JOINTS, NUM_JOINTS
+from studio.recording.stored import Count, Line, Name, Seconds, decoded
 from studio.recording.tick import Tick
 from studio.robot.pose import ReferencePose, RobotState
 
@@ -28,8 +29,68 @@ _TICK_PLAIN = (
     "controller", "clipped", "fallen", "why", "timings_ms", "counters",
 )  # fmt: skip
 
+LARGEST = 1e6
+"""No length, angle, speed or torque of ours is larger; what is, is damage."""
+
 _encode = msgspec.json.Encoder().encode
-_decode = msgspec.json.Decoder().decode
+
+
+class HumanRow(msgspec.Struct):
+    """The human stream's message, its numbers not yet counted."""
+
+    t: Seconds
+    positions: list[list[float]]
+    confidence: list[float]
+
+
+class ReferenceRow(msgspec.Struct):
+    """The reference stream's."""
+
+    base_pos: list[float]
+    base_quat: list[float]
+    joint_pos: list[float]
+    foot_contact: list[float]
+    base_lin_vel_w: list[float]
+    base_ang_vel_b: list[float]
+    joint_vel: list[float]
+
+
+class RobotRow(ReferenceRow):
+    """The robot stream's."""
+
+    t: Seconds
+    foot_pos_w: list[list[float]]
+    torque: list[float]
+    trunk_contact: bool
+    self_collision: bool
+
+
+class TickRow(msgspec.Struct):
+    """The tick stream's."""
+
+    index: Count
+    t: Seconds
+    human_fresh: bool
+    expert: Name
+    votes: dict[Name, float]
+    state: Name
+    transition_to: Name | None
+    mode: Name
+    controller: Name
+    clipped: bool
+    fallen: bool
+    why: Line
+    timings_ms: dict[Name, float]
+    counters: dict[Name, Count]
+    human: bool
+    action: list[float]
+    target: list[float]
+
+
+_human = msgspec.json.Decoder(HumanRow)
+_reference = msgspec.json.Decoder(ReferenceRow)
+_robot = msgspec.json.Decoder(RobotRow)
+_tick = msgspec.json.Decoder(TickRow)
 
 
 def _array_schema(shape: tuple[int, ...], text: str = "") -> dict[str, Any]:
@@ -113,45 +174,42 @@ def encode_tick(tick: Tick) -> bytes:
     return _encode(out | {key: _plain(getattr(tick, key)) for key in _TICK_ARRAYS})
 
 
-def _arrays(row: dict[str, Any], shapes: dict[str, tuple[int, ...]]) -> dict[str, Any]:
-    out = {}
-    for key, shape in shapes.items():
-        value = np.array(row[key], dtype=np.float64)
-        if value.shape != shape or not np.isfinite(value).all():
-            raise ValueError(f"{key} is not {shape} finite numbers")
-        out[key] = value
+def array(key: str, value: object, shape: tuple[int, ...]) -> np.ndarray:
+    """A row's numbers as an array of that shape; ValueError for another one, or for damage."""
+    out = np.array(value, dtype=np.float64)
+    if out.shape != shape or not (np.abs(out) <= LARGEST).all():
+        raise ValueError(f"{key} is not {shape} numbers of a plausible size")
+    if key == "base_quat" and abs(np.linalg.norm(out) - 1.0) > 1e-3:
+        raise ValueError(f"{key} is no rotation")
     return out
 
 
-def _object_of(data: bytes) -> dict[str, Any]:
-    row = _decode(data)
-    if not isinstance(row, dict):
-        raise ValueError("a message is not an object")
-    return row
+def _arrays(row: object, shapes: dict[str, tuple[int, ...]]) -> dict[str, Any]:
+    return {key: array(key, getattr(row, key), shape) for key, shape in shapes.items()}
 
 
 def decode_human(data: bytes) -> HumanPose:
-    """The inverse of `encode_human`; ValueError, KeyError or msgspec's error on damage."""
-    row = _object_of(data)
-    shapes = {"positions": (NUM_JOINTS, 3), "confidence": (NUM_JOINTS,)}
-    arrays = _arrays(row, shapes)
+    """The inverse of `encode_human`; ValueError on damage, as all of these."""
+    row = decoded(data, _human)
     return HumanPose(
-        t=float(row["t"]), joint_pos_w=arrays["positions"], confidence=arrays["confidence"]
+        t=row.t,
+        joint_pos_w=array("positions", row.positions, (NUM_JOINTS, 3)),
+        confidence=array("confidence", row.confidence, (NUM_JOINTS,)),
     )
 
 
 def decode_reference(data: bytes) -> ReferencePose:
     """The inverse of `encode_reference`."""
-    return ReferencePose(**_arrays(_object_of(data), REFERENCE_SHAPES))
+    return ReferencePose(**_arrays(decoded(data, _reference), REFERENCE_SHAPES))
 
 
 def decode_robot(data: bytes) -> RobotState:
     """The inverse of `encode_robot`."""
-    row = _object_of(data)
+    row = decoded(data, _robot)
     return RobotState(
-        t=float(row["t"]),
-        trunk_contact=bool(row["trunk_contact"]),
-        self_collision=bool(row["self_collision"]),
+        t=row.t,
+        trunk_contact=row.trunk_contact,
+        self_collision=row.self_collision,
         **_arrays(row, ROBOT_SHAPES),
     )
 
@@ -160,9 +218,9 @@ def decode_tick(
     data: bytes, human: HumanPose | None, reference: ReferencePose, robot: RobotState
 ) -> Tick:
     """The inverse of `encode_tick`, given the other streams' values of the same period."""
-    row = _object_of(data)
-    plain = {key: row[key] for key in _TICK_PLAIN}
-    human = human if row["human"] else None
+    row = decoded(data, _tick)
+    plain = {key: getattr(row, key) for key in _TICK_PLAIN}
+    human = human if row.human else None
     return Tick(
         human=human, reference=reference, robot=robot, **plain, **_arrays(row, _TICK_ARRAYS)
     )

@@ -19,12 +19,14 @@ from numpy.typing import NDArray
 
 from studio.errors import StudioError
 from studio.human.skeleton import NUM_JOINTS
+from studio.recording.codec import LARGEST, HumanRow
 from studio.recording.recorder import TAPE
+from studio.recording.stored import Name, Seconds, decoded, read_json
 from studio.recording.tape import TapeScan, scan
 from studio.robot import a1
 
 CACHE = ".cache"
-VERSION = 1
+VERSION = 2
 ROW = np.dtype(
     [
         ("t", "f8"),  # s into the source
@@ -49,13 +51,7 @@ _BLOCK = 1024
 _building = threading.Lock()
 
 
-class _Human(msgspec.Struct):
-    t: float
-    positions: list[list[float]]
-    confidence: list[float]
-
-
-class _Robot(msgspec.Struct):
+class _Pose(msgspec.Struct):
     base_pos: list[float]
     base_quat: list[float]
     joint_pos: list[float]
@@ -63,14 +59,16 @@ class _Robot(msgspec.Struct):
 
 
 class _Tick(msgspec.Struct):
-    t: float
-    state: str
-    expert: str
+    t: Seconds
+    state: Name
+    expert: Name
     human: bool
     fallen: bool
 
 
-_human, _robot, _tick = (msgspec.json.Decoder(kind) for kind in (_Human, _Robot, _Tick))
+_human = msgspec.json.Decoder(HumanRow)
+_pose = msgspec.json.Decoder(_Pose)
+_tick = msgspec.json.Decoder(_Tick)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,10 +104,9 @@ def columns(folder: Path) -> Columns:
     """
     tape = folder / TAPE
     try:
-        about = tape.stat()
+        key = _key(tape)
     except OSError as error:
         raise StudioError(f"take {folder.name} has no tape: {error.strerror}") from error
-    key = [VERSION, about.st_size, about.st_mtime_ns]
     base = folder.parent / CACHE / folder.name
     known = _load(base, key)
     if known is not None:
@@ -122,14 +119,30 @@ def columns(folder: Path) -> Columns:
             base.parent.mkdir(exist_ok=True)
             _build(tape, base, key)
             known = _load(base, key)
+            if known is not None and known.problem:
+                os.utime(folder)  # the library's index looks at the folder's time, and says so
             if known is not None:
                 return known
     return _in_memory(tape)
 
 
+def known_problem(folder: Path) -> str:
+    """Why a take's tape ends early, where its table was built and tells; else ""."""
+    try:
+        about = read_json((folder.parent / CACHE / folder.name).with_suffix(".json"), _about)
+        return about.problem if about.key == _key(folder / TAPE) else ""
+    except (OSError, ValueError):
+        return ""
+
+
+def _key(tape: Path) -> list[int]:
+    about = tape.stat()
+    return [VERSION, about.st_size, about.st_mtime_ns]
+
+
 def _load(base: Path, key: list[int]) -> Columns | None:
     try:
-        about = msgspec.json.decode(base.with_suffix(".json").read_bytes(), type=_About)
+        about = read_json(base.with_suffix(".json"), _about)
         if (
             about.key != key
             or base.with_suffix(".rows").stat().st_size != about.rows * ROW.itemsize
@@ -141,7 +154,7 @@ def _load(base: Path, key: list[int]) -> Columns | None:
             if about.rows
             else np.zeros(0, ROW)
         )
-    except (OSError, ValueError, msgspec.MsgspecError):
+    except (OSError, ValueError):
         return None
     return Columns(rows=rows, names=tuple(about.names), problem=about.problem)
 
@@ -151,6 +164,9 @@ class _About(msgspec.Struct):
     rows: int
     names: list[str]
     problem: str = ""
+
+
+_about = msgspec.json.Decoder(_About)
 
 
 def _build(tape: Path, base: Path, key: list[int]) -> None:
@@ -187,27 +203,28 @@ def _rows(tape: Path, found: TapeScan, names: list[str]) -> Iterator[NDArray[Any
     for message in scan(tape, found):
         try:
             if message.topic == "human":
-                human = _human.decode(message.data)
+                human = decoded(message.data, _human)
                 pose, fresh = (human.t, human.positions, human.confidence), True
             elif message.topic in ("reference", "robot"):
-                r = _robot.decode(message.data)
+                r = decoded(message.data, _pose)
                 value = (r.base_pos, r.base_quat, r.joint_pos, r.foot_contact)
                 parts[message.topic] = message.sequence, value
             elif message.topic == "tick":
-                tick = _tick.decode(message.data)
+                tick = decoded(message.data, _tick)
                 if not tick.human:
                     pose, fresh = None, False
                 row = buffer[used]
                 seen = pose or (np.nan, np.full((NUM_JOINTS, 3), np.nan), np.zeros(NUM_JOINTS))
                 row["t"], row["human_t"] = tick.t, seen[0]
-                row["human"], row["confidence"] = seen[1], seen[2]
                 row["fresh"], row["fallen"] = fresh, tick.fallen
-                for who in ("reference", "robot"):
-                    number, value = parts[who]
-                    if number != message.sequence:
-                        raise ValueError("its streams do not belong together")
-                    for key, v in zip(_Robot.__struct_fields__, value, strict=True):
-                        row[f"{who}_{key}"] = v
+                with np.errstate(over="ignore"):  # float32's infinity is found below
+                    row["human"], row["confidence"] = seen[1], seen[2]
+                    for who in ("reference", "robot"):
+                        number, value = parts[who]
+                        if number != message.sequence:
+                            raise ValueError("its streams do not belong together")
+                        for key, v in zip(_Pose.__struct_fields__, value, strict=True):
+                            row[f"{who}_{key}"] = v
                 for key, name in (("state", tick.state), ("expert", tick.expert)):
                     if name not in index:
                         index[name] = len(names)
@@ -218,7 +235,7 @@ def _rows(tape: Path, found: TapeScan, names: list[str]) -> Iterator[NDArray[Any
                 if used == _BLOCK:
                     yield buffer
                     used = 0
-        except (ValueError, KeyError, TypeError, OverflowError, msgspec.MsgspecError) as error:
+        except (ValueError, KeyError, OverflowError) as error:
             found.problem = f"tick {message.sequence} is damaged: {error}"
             break
     if used:
@@ -226,8 +243,13 @@ def _rows(tape: Path, found: TapeScan, names: list[str]) -> Iterator[NDArray[Any
 
 
 def _check(row: Any, human: bool) -> None:
-    keys = [name for name in ROW.names or () if name.startswith(("reference_", "robot_"))]
-    if not all(np.isfinite(row[key]).all() for key in keys):
-        raise ValueError("a pose is not finite")
-    if human and not (np.isfinite(row["human"]).all() and np.isfinite(row["human_t"])):
-        raise ValueError("a human pose is not finite")
+    """ValueError unless everything in it is finite and of a plausible size."""
+    for who in ("reference", "robot"):
+        if not all(
+            (np.abs(row[f"{who}_{key}"]) <= LARGEST).all() for key in _Pose.__struct_fields__
+        ):
+            raise ValueError("a pose is of no plausible size")
+        if abs(np.linalg.norm(row[f"{who}_base_quat"]) - 1.0) > 1e-3:
+            raise ValueError("base_quat is no rotation")
+    if human and not (np.abs(row["human"]) <= LARGEST).all():
+        raise ValueError("a human pose is of no plausible size")

@@ -17,8 +17,11 @@ import msgspec
 
 from studio.errors import StudioError, unknown_name
 from studio.recording.names import check_name
+from studio.recording.stored import decoded, read_bytes
 
 EDITS = "edits.jsonl"
+MOST_EDITS = 16 << 20
+"""Bytes of a log; a line has some hundred, one that bends an hour's time a quarter of a million."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,43 +53,67 @@ MAX_LAG, MAX_ROWS = 10.0, 20_000
 
 @dataclass(frozen=True, kw_only=True)
 class EditLog:
-    """Edits now, how many can be undone and redone, and what was wrong with the log."""
+    """Edits now, how many can be undone and redone, what was wrong with the log. readable: it could
+    be read at all."""
 
     edits: Edits = Edits()
     undoable: int = 0
     redoable: int = 0
     problems: tuple[str, ...] = ()
+    readable: bool = True
+
+
+_Value = None | bool | float | str | list[float | str | list[float]]
+
+
+class _Line(msgspec.Struct):
+    """A line of the log; `_checked` says which values a field may have."""
+
+    undo: bool = False
+    redo: bool = False
+    set: dict[str, _Value] | None = None
+    found: dict[str, _Value] | None = None
+
+
+_line = msgspec.json.Decoder(_Line)
+_TOLD = 8
+"""Damaged lines that are told of one by one."""
 
 
 def read_edits(folder: Path) -> EditLog:
-    """Replay a take's log. Damaged lines are left out and named in `problems`."""
+    """Replay a take's log. Damaged lines are left out and named in `problems`; of a log that cannot
+    be read, or is too large to be one, nothing is used."""
     try:
-        lines = (folder / EDITS).read_bytes().splitlines()
+        lines = read_bytes(folder / EDITS, MOST_EDITS).splitlines()
     except FileNotFoundError:
         return EditLog()
     except OSError as error:
-        return EditLog(problems=(f"{EDITS} cannot be read: {error.strerror}",))
+        return EditLog(problems=(f"{EDITS} cannot be read: {error.strerror}",), readable=False)
+    except ValueError as error:
+        return EditLog(problems=(f"{EDITS} is left out: {error}",), readable=False)
     done: list[dict[str, Any]] = []
     undone: list[dict[str, Any]] = []
     problems: list[str] = []
     found: dict[str, Any] = {}
     for number, line in enumerate(lines, 1):
         try:
-            row = msgspec.json.decode(line)
-            if row.get("undo"):
+            row = decoded(line, _line)
+            if row.undo:
                 undone.append(done.pop())
-            elif row.get("redo"):
+            elif row.redo:
                 done.append(undone.pop())
-            elif "found" in row:
-                found |= _checked(row["found"])
+            elif row.found is not None:
+                found |= _checked(row.found)
             else:
-                done.append(_checked(row["set"]))
+                done.append(_checked(row.set))
                 undone.clear()
-        except (ValueError, StudioError, KeyError, AttributeError, IndexError) as error:
+        except (ValueError, StudioError, IndexError) as error:
             problems.append(f"{EDITS} line {number} is left out: {error or 'damaged'}")
     values = found
     for changes in done:
         values = values | changes
+    if len(problems) > _TOLD:
+        problems[_TOLD:] = [f"and {len(problems) - _TOLD} lines more"]
     return EditLog(
         edits=Edits(**values), undoable=len(done), redoable=len(undone), problems=tuple(problems)
     )
@@ -117,15 +144,21 @@ def redo(folder: Path) -> EditLog:
 
 
 def _append(folder: Path, row: dict[str, Any]) -> EditLog:
+    if not read_edits(folder).readable:
+        raise StudioError(
+            f"{EDITS} of take {folder.name} is damaged: move it away, then edit the take anew"
+        )
     row = {"time": datetime.now().astimezone().isoformat(timespec="seconds")} | row
-    path = folder / EDITS
+    line, path = msgspec.json.encode(row) + b"\n", folder / EDITS
     try:
         handle = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
         try:
             size = os.fstat(handle).st_size
+            if size + len(line) >= MOST_EDITS:
+                raise StudioError(f"{EDITS} of take {folder.name} is full: export the take instead")
             # A line torn by a crash must not swallow the next one.
             torn = size > 0 and os.pread(handle, 1, size - 1) != b"\n"
-            os.write(handle, (b"\n" if torn else b"") + msgspec.json.encode(row) + b"\n")
+            os.write(handle, (b"\n" if torn else b"") + line)
             os.fsync(handle)
         finally:
             os.close(handle)

@@ -12,11 +12,12 @@ import msgspec
 
 from studio.errors import StudioError
 from studio.recording.listing import TakeInfo
-from studio.recording.names import RESERVED
 from studio.recording.recorder import META, TAPE
+from studio.recording.stored import read_json
 
 INDEX = ".index.json"
-_VERSION = 2
+_VERSION = 3
+_MOST = 1 << 28
 Key = int
 Known = dict[str, tuple[Key, TakeInfo]]
 
@@ -24,6 +25,9 @@ Known = dict[str, tuple[Key, TakeInfo]]
 class _Index(msgspec.Struct):
     version: int
     takes: Known
+
+
+_index = msgspec.json.Decoder(_Index)
 
 
 class Index:
@@ -41,8 +45,8 @@ class Index:
             read = self._read
             if read is not None and read[0] == key:
                 return read[1]
-            found = msgspec.json.decode((self._root / INDEX).read_bytes(), type=_Index)
-        except (OSError, msgspec.DecodeError):
+            found = read_json(self._root / INDEX, _index, _MOST)
+        except (OSError, ValueError):
             return {}
         takes = found.takes if found.version == _VERSION else {}
         self._read = key, takes
@@ -66,7 +70,7 @@ def folders(root: Path, known: Known | None = None) -> dict[str, Key]:
     try:
         with os.scandir(root) as entries:
             for entry in entries:
-                if entry.name.startswith(".") or entry.name in RESERVED:
+                if entry.name.startswith("."):
                     continue
                 try:
                     about = entry.stat(follow_symlinks=False)

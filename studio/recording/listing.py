@@ -1,25 +1,28 @@
 """A take's folder to its line in the list."""
 
-import contextlib
 import fcntl
+import logging
 import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
 from studio.errors import StudioError
 from studio.recording import edits as edit_log
+from studio.recording.columns import known_problem
 from studio.recording.edits import EditLog
-from studio.recording.recorder import META, TAPE
-from studio.recording.take import read_meta, survey_take
+from studio.recording.names import take_folder
+from studio.recording.recorder import TAPE
+from studio.recording.take import MetaLost, read_meta, survey_take
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, kw_only=True)
 class TakeInfo:
     """A line of the list. complete: it was stopped properly; recovered: it was not, what is left
-    of it is there; recording: it is being written now. Edits (label, keep, score, trim, lag) are
+    of it is there; recording: it is being written now; damaged: why it, or a part of it, cannot be
+    used, or "". Edits (label, keep, score, trim, lag) are
     the present ones; warped: time is bent too."""
 
     name: str
@@ -39,6 +42,7 @@ class TakeInfo:
     complete: bool = False
     recovered: bool = False
     recording: bool = False
+    damaged: str = ""
     problems: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
@@ -47,30 +51,39 @@ class TakeInfo:
 
 
 def examine(folder: Path) -> TakeInfo:
-    """A take's line, its tape read only where nothing else says what is on it."""
+    """A take's line, its tape read only where nothing else says what is on it. Never raises."""
+    try:
+        take_folder(folder.parent, folder.name)
+        return _examine(folder)
+    except StudioError as error:
+        return TakeInfo(name=folder.name, damaged=str(error), problems=(str(error),))
+    except Exception as error:  # whatever is wrong with one take, the others are listed
+        log.exception("take %s cannot be looked at", folder.name)
+        why = f"take {folder.name} cannot be read: {error}"
+        return TakeInfo(name=folder.name, damaged=why, problems=(why,))
+
+
+def _examine(folder: Path) -> TakeInfo:
     edits = edit_log.read_edits(folder)
     recording = is_recording(folder)
     try:
         meta = read_meta(folder)
-    except StudioError as error:
+    except MetaLost:
         if not (folder / TAPE).exists():
-            return TakeInfo(name=folder.name, problems=(str(error),))
+            raise
         meta = {}
-        if (folder / META).exists():
-            with contextlib.suppress(msgspec.DecodeError, OSError):
-                # Of another version: not ours to read further.
-                msgspec.json.decode((folder / META).read_bytes())
-                return TakeInfo(name=folder.name, problems=(str(error),))
     if "ticks" in meta or recording:
-        return _info(folder, meta, edits, complete="ticks" in meta, recording=recording)
-    try:
-        take = survey_take(folder)
-    except StudioError as error:
-        return _info(folder, meta, edits, problems=(str(error),))
+        # What is wrong with its tape is known once somebody has looked into it.
+        problem = "" if recording else known_problem(folder)
+        return _info(
+            folder, meta, edits, complete="ticks" in meta and not problem, recording=recording,
+            damaged=problem, problems=(problem,) if problem else (),
+        )  # fmt: skip
+    take = survey_take(folder)
     meta = meta | {"ticks": take.ticks, "seconds": take.seconds}
     return _info(
         folder, meta, edits, complete=take.complete, recovered=not take.complete,
-        problems=take.problems,
+        damaged="" if take.ticks else "it holds no tick that could be read", problems=take.problems,
     )  # fmt: skip
 
 
@@ -92,14 +105,15 @@ def is_recording(folder: Path) -> bool:
 def _info(
     folder: Path,
     meta: dict[str, Any],
-    log: EditLog,
+    edited: EditLog,
     *,
     complete: bool = False,
     recovered: bool = False,
     recording: bool = False,
+    damaged: str = "",
     problems: tuple[str, ...] = (),
 ) -> TakeInfo:
-    edits = log.edits
+    edits = edited.edits
     about = meta.get("about") or {}
     return TakeInfo(
         name=folder.name,
@@ -114,12 +128,13 @@ def _info(
         lag=edits.lag,
         warped=bool(edits.warp),
         note=edits.note,
-        undoable=log.undoable,
-        redoable=log.redoable,
+        undoable=edited.undoable,
+        redoable=edited.redoable,
         complete=complete,
         recovered=recovered,
         recording=recording,
-        problems=problems + log.problems,
+        damaged=damaged or ("" if edited.readable else edited.problems[0]),
+        problems=problems + edited.problems,
     )
 
 

@@ -19,6 +19,16 @@ def check_name(name: object, kind: str = "take") -> str:
     return name
 
 
+def check_take(name: object) -> str:
+    """`name` itself if a new take may be called so, else a StudioError."""
+    fit = check_name(name)
+    if fit in RESERVED:
+        raise StudioError(f"{fit} is no name for a take: {', '.join(RESERVED)} are kept for others")
+    if fit.startswith("-"):
+        raise StudioError(f"{fit} is no name for a take: a command would take it for an option")
+    return fit
+
+
 def fit_name(name: str, otherwise: str = "take") -> str:
     """A name from outside as one that fits: what does not becomes "-", what is too long is cut."""
     fit = re.sub(r"[^A-Za-z0-9_-]+", "-", name).strip("-")[:100] or otherwise
@@ -34,9 +44,7 @@ def take_folder(root: Path, name: object) -> Path:
     """The folder of a take, which need not exist; a link to elsewhere is refused."""
     folder = root / check_name(name)
     if name in RESERVED:
-        raise StudioError(
-            f"{name} is no name for a take: {', '.join(RESERVED)} are kept for others"
-        )
+        check_take(name)
     if folder.is_symlink():
         raise StudioError(f"take {name} is a link to somewhere else: copy the folder itself")
     return folder

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import spatial
-from studio.errors import StudioError
 from studio.human.calibration import calibrate
 from studio.human.features import DELTA_FRAMES, FEATURE_DIM, clip_features
 from studio.human.pose import HumanClip
@@ -23,7 +22,7 @@ from studio.recording import edited, synchrony
 from studio.recording.columns import Columns, columns
 from studio.recording.edits import Edits, read_edits
 from studio.recording.library import SessionLibrary
-from studio.recording.take import read_meta
+from studio.recording.take import MetaLost, read_meta
 from studio.reference.contact import contact_labels
 from studio.reference.intent import STATES, StateName
 from studio.reference.stances import NEUTRAL
@@ -106,9 +105,7 @@ def take_pairs(library: SessionLibrary, name: str, known: tuple[Edits, str] | No
 def _meta(library: SessionLibrary, name: str) -> dict[str, Any]:
     try:
         return read_meta(library.folder(name))
-    except StudioError as error:
-        if "format" in str(error):
-            raise
+    except MetaLost:
         return {}  # a tape whose meta.json was lost still teaches
 
 

@@ -19,7 +19,7 @@ import msgspec
 from studio import __version__
 from studio.errors import StudioError
 from studio.recording import codec
-from studio.recording.names import check_name, slug
+from studio.recording.names import check_take, slug
 from studio.recording.tape import Message, TapeWriter, rewrite_chunked
 from studio.recording.tick import Tick
 from studio.robot import a1
@@ -73,7 +73,7 @@ class Recorder:
             name = "-".join(filter(None, (now.strftime("%Y%m%d-%H%M%S"), slug(label))))
             unique = True
         else:
-            check_name(name)
+            check_take(name)
             unique = False
         try:
             self.root.mkdir(parents=True, exist_ok=True)
@@ -85,7 +85,7 @@ class Recorder:
                 "name": folder.name,
                 "label": label,
                 "started": now.isoformat(timespec="milliseconds"),
-                "started_ns": time.time_ns(),
+                "started_ns": max(0, time.time_ns()),  # MCAP counts from 1970
                 "control_hz": a1.CONTROL_HZ,
                 "studio_version": __version__,
                 "about": about or {},
@@ -118,26 +118,17 @@ class Recorder:
         n = self._count
         log_time = self._meta["started_ns"] + round(n * 1e9 / a1.CONTROL_HZ)
         rows = [
-            ("reference", log_time, codec.encode_reference(tick.reference)),
-            ("robot", round(tick.robot.t * 1e9), codec.encode_robot(tick.robot)),
-            ("tick", max(0, round(tick.t * 1e9)), codec.encode_tick(tick)),
+            ("reference", codec.encode_reference(tick.reference)),
+            ("robot", codec.encode_robot(tick.robot)),
+            ("tick", codec.encode_tick(tick)),
         ]
         if tick.human is not None and (tick.human_fresh or self._human_count == 0):
-            human = codec.encode_human(tick.human)
-            rows.insert(0, ("human", max(0, round(tick.human.t * 1e9)), human))
+            rows.insert(0, ("human", codec.encode_human(tick.human)))
             self._human_count += 1
         whole = self._file.size
         try:
-            for topic, own_time, data in rows:
-                self._writer.write(
-                    Message(
-                        topic=topic,
-                        sequence=n,
-                        log_time=log_time,
-                        publish_time=own_time,
-                        data=data,
-                    )
-                )
+            for topic, data in rows:
+                self._writer.write(Message(topic=topic, sequence=n, time=log_time, data=data))
         except OSError as error:
             self._file.cut(whole)
             name, reason = self.recording, error.strerror or str(error)

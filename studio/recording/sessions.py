@@ -14,6 +14,7 @@ import msgspec
 
 from studio.errors import StudioError
 from studio.recording.names import check_name, slug
+from studio.recording.stored import read_json
 
 FOLDER = ".sessions"
 
@@ -31,6 +32,9 @@ class CollectSession(msgspec.Struct, kw_only=True):
     def as_dict(self) -> dict[str, Any]:
         """Plain values."""
         return msgspec.to_builtins(self)
+
+
+_session = msgspec.json.Decoder(CollectSession)
 
 
 def session_name(operator: str, day: date) -> str:
@@ -91,8 +95,8 @@ class SessionBook:
 
     def _decode(self, path: Path) -> CollectSession:
         try:
-            return msgspec.json.decode(path.read_bytes(), type=CollectSession)
-        except (OSError, msgspec.DecodeError) as error:
+            return read_json(path, _session)
+        except (OSError, ValueError) as error:
             raise StudioError(f"session {path.stem} is damaged: remove {path}") from error
 
     def _write(self, session: CollectSession) -> None:

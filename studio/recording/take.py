@@ -16,6 +16,7 @@ from studio.human.pose import HumanClip, HumanPose
 from studio.recording import codec
 from studio.recording.edits import Edits, read_edits
 from studio.recording.recorder import FORMAT_VERSION, META, TAPE, Recorder
+from studio.recording.stored import Count, Line, Name, Seconds, read_json
 from studio.recording.tape import TapeScan, scan
 from studio.recording.tick import Tick
 from studio.robot import a1
@@ -109,28 +110,46 @@ def _stack(
     }
 
 
+class _Collected(msgspec.Struct):
+    task: Name = ""
+    state: Name = ""
+    operator: Name = ""
+    session: Name = ""
+
+
+class _About(msgspec.Struct):
+    source: Line = ""
+    style: Name = ""
+    robot: Name = ""
+    collect: _Collected | None = None
+
+
 class _Meta(msgspec.Struct):
     """The types of what others read from meta.json; more may be in it."""
 
-    label: str = ""
-    started: str = ""
-    ticks: int = 0
-    seconds: float = 0.0
-    about: dict[str, Any] = {}
+    label: Line = ""
+    started: Name = ""
+    ticks: Count = 0
+    seconds: Seconds = 0.0
+    about: _About | None = None
 
 
-class _MetaLost(StudioError):
+_meta = msgspec.json.Decoder(dict[str, Any])
+
+
+class MetaLost(StudioError):
     """meta.json is missing or damaged: the tape can still be read."""
 
 
 def read_meta(folder: Path) -> dict[str, Any]:
     """A take's meta.json; StudioError if it is missing, damaged or of another major version."""
     try:
-        meta = msgspec.json.decode((folder / META).read_bytes())
+        meta = read_json(folder / META, _meta)
         version = meta["format_version"]
-        msgspec.convert(meta, _Meta)
-    except (OSError, msgspec.MsgspecError, KeyError, TypeError) as error:
-        raise _MetaLost(f"{META} of take {folder.name} is missing or damaged") from error
+        if version == FORMAT_VERSION:
+            msgspec.convert(meta, _Meta)
+    except (OSError, ValueError, KeyError, msgspec.MsgspecError) as error:
+        raise MetaLost(f"{META} of take {folder.name} is missing or damaged") from error
     if version != FORMAT_VERSION:
         by = str(meta.get("studio_version", "version unknown"))[:20]
         raise StudioError(
@@ -201,7 +220,7 @@ def _open(path: Path) -> tuple[Path, dict[str, Any], list[str]]:
         raise StudioError(f"there is no take at {folder}")
     try:
         return folder, read_meta(folder), []
-    except _MetaLost:
+    except MetaLost:
         return folder, {}, [f"{META} is {'damaged' if (folder / META).exists() else 'missing'}"]
 
 
@@ -248,7 +267,7 @@ def _assemble(tape: Path, found: TapeScan) -> Iterator[tuple[Tick, bool]]:
                     human, fresh = None, False
                 yield tick, fresh
                 fresh = False
-        except (ValueError, KeyError, TypeError, OverflowError, msgspec.DecodeError) as error:
+        except (ValueError, OverflowError) as error:
             found.complete = False
             found.problem = f"tick {message.sequence} is damaged: {error}"
             return

@@ -25,18 +25,21 @@ MAGIC = b"\x89MCAP0\r\n"
 _FOOTER, _CHANNEL, _MESSAGE, _CHUNK, _DATA_END = 2, 4, 5, 6, 15
 CHUNK = 1 << 16
 """Bytes of a chunk before it is packed, about a second: the most a damaged end takes with it."""
-_LARGEST_CHUNK = 1 << 28
-"""Bytes: no chunk of ours unpacks to more; a larger claim is damage."""
+_LARGEST_CHUNK = 1 << 26
+"""Bytes: no record of ours is larger, nor what a chunk unpacks to; a larger claim is damage."""
+MOST_UNPACKED, _SMALL, _RATIO = 1 << 33, 1 << 26, 200
+"""Bytes that a tape may unpack to: forty hours; of a smaller file at most _RATIO times its size (of
+ours some ten times), but always _SMALL."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Message:
-    """One row of a stream. log_time: the take's clock, ns. publish_time: the stream's own, ns."""
+    """One row of a stream. time: ns since 1970, the one clock of all streams (a person's and the
+    simulation's own are in the data)."""
 
     topic: str
     sequence: int
-    log_time: int
-    publish_time: int
+    time: int
     data: bytes
 
 
@@ -64,8 +67,8 @@ class TapeWriter:
         """Append and, unless chunked, flush to the operating system. Raises OSError."""
         self._writer.add_message(
             channel_id=self._channels[message.topic],
-            log_time=message.log_time,
-            publish_time=message.publish_time,
+            log_time=message.time,
+            publish_time=message.time,
             sequence=message.sequence,
             data=message.data,
         )
@@ -83,11 +86,13 @@ class TapeWriter:
 class TapeScan:
     """What a scan found besides messages; filled while `messages` is consumed.
 
-    complete: the tape was ended properly. problem: why reading stopped early, or "".
+    complete: the tape was ended properly. problem: why reading stopped early, or "". left: bytes
+    that its chunks may still unpack to.
     """
 
     complete: bool = False
     problem: str = ""
+    left: int = MOST_UNPACKED
 
 
 def scan(path: Path, found: TapeScan) -> Iterator[Message]:
@@ -103,13 +108,15 @@ def scan(path: Path, found: TapeScan) -> Iterator[Message]:
             if magic != MAGIC:
                 found.problem = "nothing was recorded"
                 return
-            yield from _records(file, os.fstat(file.fileno()).st_size, {}, found)
+            size = os.fstat(file.fileno()).st_size
+            found.left = min(MOST_UNPACKED, max(_SMALL, _RATIO * size))
+            yield from _records(file, size, {}, found)
     except OSError as error:
         raise StudioError(f"cannot read {path.name}: {error.strerror}") from error
 
 
 def _records(
-    file: BinaryIO, end: int, channels: dict[int, str], found: TapeScan
+    file: BinaryIO, end: int, channels: dict[int, str], found: TapeScan, *, packed: bool = False
 ) -> Iterator[Message]:
     while not found.complete and not found.problem:
         at = file.tell()
@@ -117,29 +124,28 @@ def _records(
         if not head:
             return
         length = struct.unpack_from("<Q", head, 1)[0] if len(head) == 9 else end
-        record = file.read(length) if length <= end - at - 9 else b""
+        whole = length <= min(end - at - 9, _LARGEST_CHUNK)
+        record = file.read(length) if whole else b""
         if len(record) < length:
             found.problem = f"the last {end - at} bytes are incomplete or damaged"
             return
         opcode = head[0]
         try:
             if opcode == _MESSAGE:
-                channel, sequence, log_time, publish_time = struct.unpack_from("<HIQQ", record)
+                channel, sequence, time, _ = struct.unpack_from("<HIQQ", record)
                 if channel in channels:
-                    yield Message(
-                        topic=channels[channel],
-                        sequence=sequence,
-                        log_time=log_time,
-                        publish_time=publish_time,
-                        data=record[22:],
-                    )
+                    topic, data = channels[channel], record[22:]
+                    yield Message(topic=topic, sequence=sequence, time=time, data=data)
             elif opcode == _CHANNEL:
                 (channel,) = struct.unpack_from("<H", record)
                 (size,) = struct.unpack_from("<I", record, 4)
                 channels[channel] = record[8 : 8 + size].decode().lstrip("/")
             elif opcode == _CHUNK:
-                plain = _unpack(record)
-                yield from _records(io.BytesIO(plain), len(plain), channels, found)
+                if packed:
+                    raise ValueError("a chunk inside a chunk")
+                plain = _unpack(record, found.left)
+                found.left -= len(plain)
+                yield from _records(io.BytesIO(plain), len(plain), channels, found, packed=True)
             elif opcode in (_DATA_END, _FOOTER):
                 found.complete = True
         except (struct.error, UnicodeDecodeError, ValueError, zstandard.ZstdError) as error:
@@ -147,8 +153,8 @@ def _records(
             return
 
 
-def _unpack(record: bytes) -> bytes:
-    """The records inside a chunk; ValueError when it is damaged."""
+def _unpack(record: bytes, left: int) -> bytes:
+    """The records inside a chunk, at most `left` bytes; ValueError when it is damaged."""
     size, crc = struct.unpack_from("<QI", record, 16)
     (name_size,) = struct.unpack_from("<I", record, 28)
     compression = record[32 : 32 + name_size].decode()
@@ -156,7 +162,12 @@ def _unpack(record: bytes) -> bytes:
     packed = record[start:]
     if size > _LARGEST_CHUNK:
         raise ValueError("a chunk claims more than it can hold")
+    if size > left:
+        raise ValueError("the tape unpacks to more than a tape of its size holds")
     if compression == "zstd":
+        # A size in the frame's own header would be believed before ours.
+        if zstandard.frame_content_size(packed) > size:
+            raise ValueError("a chunk holds more than it claims")
         plain = zstandard.ZstdDecompressor().decompress(packed, max_output_size=size)
     elif compression == "":
         plain = packed

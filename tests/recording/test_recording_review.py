@@ -12,7 +12,7 @@ from make_ticks import make_ticks
 
 from studio.errors import StudioError
 from studio.recording import commands, edited, findings, review, synchrony, windows
-from studio.recording.columns import ROW, Columns, columns
+from studio.recording.columns import ROW, VERSION, Columns, columns
 from studio.recording.edits import Edits, edit, read_edits
 from studio.recording.library import SessionLibrary
 from studio.recording.take import Recorder, read_take
@@ -354,7 +354,7 @@ def test_an_hour_is_reviewed_in_bounded_memory_and_scrubs_at_once(tmp_path: Path
     import msgspec
 
     about = {
-        "key": [1, stat.st_size, stat.st_mtime_ns],
+        "key": [VERSION, stat.st_size, stat.st_mtime_ns],
         "rows": repeats * len(short),
         "names": list(columns(tmp_path / "seed").names),
     }

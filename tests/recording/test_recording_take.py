@@ -98,6 +98,8 @@ def test_other_programs_read_the_tape_running_and_stopped(tmp_path: Path):
         assert len(summary.chunk_indexes) >= 1
         human = [m for _, c, m in reader.iter_messages(topics=["/human"])]
     assert human[1].publish_time - human[0].publish_time == pytest.approx(1e9 / 30, abs=2)
+    # One clock for all streams: a viewer lays them on one timeline.
+    assert all(m.publish_time == m.log_time for m in human)
 
 
 def test_names_are_unique_and_carry_the_label(tmp_path: Path):
