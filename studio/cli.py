@@ -113,7 +113,7 @@ def _drive(argv: Sequence[str]) -> Answer:
 
 def _bench(argv: Sequence[str]) -> Answer:
     args = tyro.cli(Bench, prog="a1-studio bench", args=argv)
-    from studio.evaluation.bench import BenchConfig, run_bench
+    from studio.bench.run import BenchConfig, run_bench
 
     return run_bench(BenchConfig(**vars(args)))
 
@@ -157,7 +157,7 @@ def _train_policy(argv: Sequence[str]) -> Answer:
 def _takes(argv: Sequence[str]) -> Answer:
     """`takes WHAT [NAME …]`: the functions of recording.commands, their parameters as options."""
     from studio.mocap.imports import import_take
-    from studio.recording import commands
+    from studio.takes import commands
 
     known = {
         name.removesuffix("s").removesuffix("_take"): function

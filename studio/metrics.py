@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio import spatial
+from studio import geometry
 
 Array = NDArray[np.float64]
 
@@ -39,7 +39,7 @@ def joint_rmse_deg(joint_pos: ArrayLike, reference: ArrayLike) -> float:
 def heading_frame(base_pos: ArrayLike, base_quat: ArrayLike, points_w: ArrayLike) -> Array:
     """Points (..., N, 3) from the world to the base's heading frame (yaw only, base origin)."""
     relative = _array(points_w) - _array(base_pos)[..., None, :]
-    return spatial.quat_rotate_inverse(spatial.heading_quat(base_quat)[..., None, :], relative)
+    return geometry.quat_rotate_inverse(geometry.heading_quat(base_quat)[..., None, :], relative)
 
 
 def foot_error(
@@ -82,8 +82,8 @@ def orientation_error(base_quat: ArrayLike, reference: ArrayLike) -> Array:
     The angle between R^T z and R_ref^T z is defined at every tilt (heading is not, near vertical).
     """
     down = np.array([0.0, 0.0, -1.0])
-    ours = spatial.quat_rotate_inverse(base_quat, np.broadcast_to(down, _like(base_quat)))
-    theirs = spatial.quat_rotate_inverse(reference, np.broadcast_to(down, _like(reference)))
+    ours = geometry.quat_rotate_inverse(base_quat, np.broadcast_to(down, _like(base_quat)))
+    theirs = geometry.quat_rotate_inverse(reference, np.broadcast_to(down, _like(reference)))
     cross = np.linalg.norm(np.cross(ours, theirs), axis=-1)
     return np.arctan2(cross, np.sum(ours * theirs, axis=-1))
 

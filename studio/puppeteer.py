@@ -15,15 +15,14 @@ from time import perf_counter
 
 import numpy as np
 
-from studio import spatial
+from studio import geometry
+from studio.control.command import FOLLOW, LIMITS, Orders, PuppeteerConfig, checked_gain
+from studio.control.controller import Control, Controller, Directive
+from studio.control.trackers import Situation, open_controller
 from studio.errors import unknown_name
 from studio.human.calibration import Calibration
 from studio.human.pose import HumanPose
-from studio.imitation.controller import Control, Controller, Directive
-from studio.imitation.controllers import Situation, open_controller
-from studio.mocap.watched import REUSE, Watched
-from studio.orders import FOLLOW, LIMITS, Orders, PuppeteerConfig, checked_gain
-from studio.recording.tick import Tick
+from studio.mocap.human_tracker import REUSE, Watched
 from studio.reference.intent import STATES, StateName
 from studio.retarget.retargeter import Retargeted, Retargeter
 from studio.retarget.settings import RetargetSettings
@@ -33,6 +32,7 @@ from studio.robot.fall import fell
 from studio.robot.pose import ReferencePose, RobotState
 from studio.sim.actuation import LowPass, limit_target
 from studio.sim.world import World
+from studio.takes.tick import Tick
 
 FIRST_VOTE = 1.0
 """s to wait for the first vote that is not "unknown" before the robot starts standing."""
@@ -154,13 +154,13 @@ class Puppeteer:
     def place(self, state: StateName, *, here: bool = False) -> None:
         """The robot at rest in the neutral pose of `state`, at the origin or where it is."""
         where = self.robot.base_pos[:2] if here else np.zeros(2)
-        yaw = float(spatial.heading(self.robot.base_quat)) if here else 0.0
+        yaw = float(geometry.heading(self.robot.base_quat)) if here else 0.0
         self.controller.reset(state, where, yaw)
         self._restart()
 
     def stand_up(self) -> None:
         """After a fall or a stop: from a crouch, where the robot is, up to standing in 1 s."""
-        yaw = float(spatial.heading(self.robot.base_quat))
+        yaw = float(geometry.heading(self.robot.base_quat))
         self.controller.crouch(self.robot.base_pos[:2], yaw)
         self._restart()
         self._placed = True

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from studio import cli, options
+from studio.control.trackers import CONTROLLERS
 from studio.errors import StudioError
-from studio.imitation.controllers import CONTROLLERS
 from studio.reference.intent import STATES
 
 

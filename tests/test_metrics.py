@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio import metrics, spatial
+from studio import geometry, metrics
 
 LEVEL = np.tile([1.0, 0.0, 0.0, 0.0], (4, 1))
 
@@ -19,9 +19,9 @@ def test_joint_rmse_of_one_joint_off_by_twelve_degrees():
 def test_foot_error_ignores_where_the_robot_stands_and_where_it_heads():
     rng = np.random.default_rng(0)
     feet_b, pos = rng.normal(size=(4, 4, 3)), np.zeros((4, 3))
-    turned = spatial.quat_from_rpy(np.tile([0.0, 0.0, 1.2], (4, 1)))
+    turned = geometry.quat_from_rpy(np.tile([0.0, 0.0, 1.2], (4, 1)))
     moved = pos + [3.0, -1.0, 0.0]
-    feet_moved = spatial.quat_rotate(turned[:, None], feet_b) + moved[:, None]
+    feet_moved = geometry.quat_rotate(turned[:, None], feet_b) + moved[:, None]
     error = metrics.foot_error_m(moved, turned, feet_moved, pos, LEVEL, feet_b)
     assert error == pytest.approx(0.0, abs=1e-12)
 
@@ -35,9 +35,9 @@ def test_foot_error_is_the_mean_distance_over_the_feet():
 
 
 def test_orientation_error_is_tilt_without_heading():
-    tilted = spatial.quat_from_rpy([0.3, 0.0, 0.0])
-    yawed = spatial.quat_from_rpy([0.0, 0.0, 2.0])
-    both = spatial.quat_mul(yawed, tilted)
+    tilted = geometry.quat_from_rpy([0.3, 0.0, 0.0])
+    yawed = geometry.quat_from_rpy([0.0, 0.0, 2.0])
+    both = geometry.quat_mul(yawed, tilted)
     assert metrics.orientation_error(both, tilted) == pytest.approx(0.0, abs=1e-9)
     assert metrics.orientation_error(both, yawed) == pytest.approx(0.3)
     degrees = metrics.orientation_error_deg(np.stack([both, yawed]), np.stack([yawed, yawed]))
@@ -45,8 +45,8 @@ def test_orientation_error_is_tilt_without_heading():
 
 
 def test_orientation_error_is_regular_where_the_trunk_points_up():
-    up = spatial.quat_from_rpy([0.0, -np.pi / 2, 0.0])
-    near = spatial.quat_from_rpy([0.0, -np.pi / 2 + 0.05, 0.0])
+    up = geometry.quat_from_rpy([0.0, -np.pi / 2, 0.0])
+    near = geometry.quat_from_rpy([0.0, -np.pi / 2 + 0.05, 0.0])
     assert metrics.orientation_error(near, up) == pytest.approx(0.05, abs=1e-9)
 
 
@@ -106,11 +106,11 @@ def test_max_joint_speed_is_in_degrees_a_second():
 
 
 def test_a_fall_is_a_trunk_on_the_ground_or_sixty_degrees_from_the_reference():
-    tilt = spatial.quat_from_rpy(np.radians([[0.0, 59.0, 0.0], [0.0, 61.0, 0.0], [0.0, 0.0, 0.0]]))
-    level = spatial.quat_from_rpy(np.zeros((3, 3)))
+    tilt = geometry.quat_from_rpy(np.radians([[0.0, 59.0, 0.0], [0.0, 61.0, 0.0], [0.0, 0.0, 0.0]]))
+    level = geometry.quat_from_rpy(np.zeros((3, 3)))
     touching = np.array([False, False, True])
     assert metrics.fallen(touching, tilt, level).tolist() == [False, True, True]
-    sitting = spatial.quat_from_rpy(np.radians([0.0, -70.0, 0.0]))
+    sitting = geometry.quat_from_rpy(np.radians([0.0, -70.0, 0.0]))
     assert not metrics.fallen(False, sitting, sitting)
 
 

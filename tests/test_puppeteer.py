@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from studio.control.command import LIMITS, Orders, PuppeteerConfig
+from studio.control.controller import Directive
 from studio.errors import StudioError
 from studio.human.calibration import calibrate
-from studio.imitation.controller import Directive
-from studio.mocap.operator import OperatorSource
-from studio.orders import LIMITS, Orders, PuppeteerConfig
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.retarget.retargeter import Retargeter
 from studio.robot import a1
 from studio.robot.fall import fell
+from studio.synthetic.operator import OperatorSource
 
 
 def make(task="quiet", seed=0, **config):

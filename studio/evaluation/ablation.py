@@ -18,13 +18,13 @@ import numpy as np
 import tyro
 from numpy.typing import NDArray
 
+from studio.control.controller import SPEED_LIMIT
+from studio.control.policy import MODELS
 from studio.evaluation.contenders import Contender, baseline, contender, trained
 from studio.evaluation.disturbed import disturbed
 from studio.evaluation.tracking import CACHE, Job, Motions, compare, library, names_of
-from studio.imitation.bank import MotionBank
-from studio.imitation.controller import SPEED_LIMIT
-from studio.imitation.policy import MODELS
 from studio.reference.intent import STATES, StateName
+from studio.rl.bank import MotionBank
 from studio.training.variants import VARIANTS, weights
 
 CONSISTENCY = {

@@ -9,13 +9,13 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from studio.imitation import episodes as simulate
-from studio.imitation.bank import MotionBank, relevelled
-from studio.imitation.env import ImitationEnv
-from studio.imitation.env_config import EnvConfig
-from studio.imitation.observation import Foresee
-from studio.imitation.policy import MODELS, Policy
+from studio.control.observation import Foresee
+from studio.control.policy import MODELS, Policy
 from studio.reference.intent import StateName
+from studio.rl import episodes as simulate
+from studio.rl.bank import MotionBank, relevelled
+from studio.rl.env import ImitationEnv
+from studio.rl.env_config import EnvConfig
 from studio.training.variants import weights
 
 BASELINES = {"stand_still": simulate.stand_still, "pd_playback": simulate.pd_playback}

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from studio.control.policy import MODELS
 from studio.evaluation.ablation import TRAINED, trained_variants
 from studio.evaluation.tracking import CACHE, compare
-from studio.imitation.policy import MODELS
 
 ROWS = {"no_teacher": "curriculum", "no_curriculum": "no curriculum", "full": "teacher instead"}
 

@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
-from studio.imitation.bank import MotionBank
-from studio.imitation.noise import NoiseConfig, ou_step
-from studio.imitation.observation import level_quat, reference_frame
+from studio import geometry
+from studio.control.observation import level_quat, reference_frame
 from studio.reference.consistency import limit_speed, make_consistent
 from studio.reference.motion import ReferenceMotion, backward_difference
+from studio.rl.bank import MotionBank
+from studio.rl.noise import NoiseConfig, ou_step
 from studio.robot import a1
 
 Array = NDArray[np.float64]
@@ -61,7 +61,7 @@ def disturbed(
             motion.base_pos[:, 2],
             motion.base_quat,
             backward_difference(motion.base_pos, motion.dt),
-            spatial.ang_vel_b(motion.base_quat, motion.dt),
+            geometry.ang_vel_b(motion.base_quat, motion.dt),
             level,
         )
     seen[..., :12] = np.clip(seen[..., :12], a1.JOINT_LOWER, a1.JOINT_UPPER)
@@ -90,7 +90,7 @@ def _shaken(
         task=bank.tasks[bank.task[m]],
         dt=a1.CONTROL_DT,
         base_pos=(bank.base_pos[m] + height)[source],
-        base_quat=spatial.quat_mul(bank.base_quat[m], spatial.quat_from_rotvec(tilt))[source],
+        base_quat=geometry.quat_mul(bank.base_quat[m], geometry.quat_from_rotvec(tilt))[source],
         joint_pos=(bank.joint_pos[m] + value[:, :12])[source],
         foot_contact=np.clip(label, 0.0, 1.0)[source],
         params={},

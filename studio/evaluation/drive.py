@@ -10,15 +10,15 @@ from itertools import islice
 from pathlib import Path
 from typing import IO, Any
 
+from studio.control.command import FOLLOW, Orders, PuppeteerConfig
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport, trace_line
 from studio.human.calibration import calibrate
-from studio.mocap import Source, open_source, poses
-from studio.orders import FOLLOW, Orders, PuppeteerConfig
 from studio.puppeteer import Puppeteer
-from studio.recording.recorder import Recorder
-from studio.recording.tick import Tick
 from studio.robot.a1 import CONTROL_DT
+from studio.sources import Source, open_source, poses
+from studio.takes.record.recorder import Recorder
+from studio.takes.tick import Tick
 
 log = logging.getLogger(__name__)
 TOUR_SECONDS = 40.0

@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import metrics, spatial
-from studio.recording.tick import Tick
+from studio import geometry, metrics
 from studio.reference.stances import NEUTRAL_FEET, tilt_of
 from studio.robot import a1, kinematics
 from studio.robot.a1 import CONTROL_DT, FOOT_RADIUS
 from studio.robot.pose import RobotPose
+from studio.takes.tick import Tick
 
 Array = NDArray[np.float64]
 EXPERTS = ("stand", "walk", "sit", "unknown")
@@ -169,5 +169,5 @@ def tilt_against_feet(tick: Tick) -> Array:
     now, rest = tick.robot.foot_pos_w[legs, :2], NEUTRAL_FEET[state][legs, :2]  # type: ignore[index]
     a, b = rest - rest.mean(axis=0), now - now.mean(axis=0)
     yaw = np.arctan2(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]), np.sum(a * b))
-    turned_back = spatial.quat_from_rpy([0.0, 0.0, -float(yaw)])
-    return tilt_of(state, spatial.quat_mul(turned_back, tick.robot.base_quat))  # type: ignore[arg-type]
+    turned_back = geometry.quat_from_rpy([0.0, 0.0, -float(yaw)])
+    return tilt_of(state, geometry.quat_mul(turned_back, tick.robot.base_quat))  # type: ignore[arg-type]

@@ -15,18 +15,18 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from studio.control.command import PuppeteerConfig
+from studio.control.policy import Policy
+from studio.control.trackers.policy import PolicyTracker
 from studio.errors import StudioError
 from studio.evaluation.impaired import IMPAIRMENTS, Impaired
 from studio.human.calibration import calibrate
-from studio.imitation.controllers.policy import PolicyTracker
-from studio.imitation.policy import Policy
 from studio.live.safety import stale_orders
-from studio.mocap.operator import OperatorSource
-from studio.orders import PuppeteerConfig
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import STATES
 from studio.robot.a1 import CONTROL_DT
 from studio.sim import randomize
+from studio.synthetic.operator import OperatorSource
 from studio.training.machine import commit
 
 Array = NDArray[np.float64]

@@ -3,9 +3,9 @@
 from pathlib import Path
 from typing import Any
 
+from studio.control.policy import MODELS
 from studio.evaluation.curriculum import variant_rows
 from studio.evaluation.tracking import CACHE
-from studio.imitation.policy import MODELS
 
 ROWS = {
     "no_teacher": "no future (PPO)",

@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 
+from studio.control.policy import MODELS
 from studio.evaluation.contenders import contender
 from studio.evaluation.tracking import HELD_OUT, library
-from studio.imitation import episodes as simulate
-from studio.imitation.policy import MODELS
 from studio.reference.intent import StateName
+from studio.rl import episodes as simulate
 from studio.training.machine import commit
 
 KICK_M_S: dict[StateName, float] = {"stand": 0.5, "walk": 0.3}

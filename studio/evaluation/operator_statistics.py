@@ -18,10 +18,10 @@ from studio.human.features import FEATURE_NAMES, clip_features
 from studio.human.pose import HumanClip
 from studio.mocap.bvh import load_bvh
 from studio.mocap.frames import load_frames
-from studio.mocap.performer import Person, exercise, labels, play, squats
-from studio.mocap.performer.signals import of_track
 from studio.reference.intent import STATES
 from studio.reference.library import TASKS
+from studio.synthetic import Person, exercise, labels, play, squats
+from studio.synthetic.signals import of_track
 
 Array = NDArray[np.float64]
 log = logging.getLogger(__name__)

@@ -12,13 +12,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import metrics, spatial
+from studio import geometry, metrics
 from studio.errors import unknown_name
 from studio.evaluation.pair_methods import SIZES, Fitted, fit_methods, spread
 from studio.reference.intent import STATES, StateName
 from studio.retarget.baselines.foot_height import contact_by_height
+from studio.retarget.foothold_planner import Planting
 from studio.retarget.mapper import RATES, Mapped
-from studio.retarget.planting import Planting
 from studio.retarget.store import STYLES, load_experts
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT
@@ -200,14 +200,14 @@ def carried_by_velocity(state: StateName, mapped: Mapped, truth: Performed) -> P
     quat = mapped.base_quat[SETTLE:]
     yaw = np.zeros(len(quat))
     if state == "walk":
-        spin = spatial.quat_rotate(quat, mapped.rates[SETTLE:, RATES["base_ang_vel"]])
+        spin = geometry.quat_rotate(quat, mapped.rates[SETTLE:, RATES["base_ang_vel"]])
         yaw = np.cumsum(spin[:, 2]) * CONTROL_DT
     zero = np.zeros_like(yaw)
-    turn = spatial.quat_from_rpy(np.stack([zero, zero, yaw], axis=-1))
-    pos = truth.base_pos[0] + np.cumsum(spatial.quat_rotate(turn, velocity), axis=0) * CONTROL_DT
+    turn = geometry.quat_from_rpy(np.stack([zero, zero, yaw], axis=-1))
+    pos = truth.base_pos[0] + np.cumsum(geometry.quat_rotate(turn, velocity), axis=0) * CONTROL_DT
     return Performed(
         base_pos=pos,
-        base_quat=spatial.quat_mul(turn, quat),
+        base_quat=geometry.quat_mul(turn, quat),
         joint_pos=mapped.joint_pos[SETTLE:],
         contact=mapped.contact_prob[SETTLE:],
     )
@@ -218,7 +218,7 @@ def as_labelled(state: StateName, clip: PairSet) -> Performed:
     keep = slice(SETTLE, None)
     return Performed(
         base_pos=np.asarray(clip.base_pos[keep], np.float64),
-        base_quat=spatial.normalize(clip.base_quat[keep]),
+        base_quat=geometry.normalize(clip.base_quat[keep]),
         joint_pos=np.asarray(clip.joint_pos[keep], np.float64),
         contact=np.asarray(clip.contact[keep], np.float64),
     )

@@ -13,17 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.control.command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport
 from studio.human.calibration import calibrate
-from studio.mocap import SourceEnded, open_source
-from studio.orders import PuppeteerConfig
 from studio.puppeteer import Puppeteer
-from studio.recording.tick import Tick
 from studio.reference.stances import NEUTRAL, tilt_of
 from studio.retarget.states import EXPERTS
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT, FOOT_RADIUS
+from studio.sources import SourceEnded, open_source
+from studio.takes.tick import Tick
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)

@@ -12,9 +12,9 @@ from typing import Any
 
 import tyro
 
+from studio.control.policy import MODELS
 from studio.errors import StudioError
 from studio.evaluation.tracking import run_tracking
-from studio.imitation.policy import MODELS
 from studio.reference.intent import StateName
 
 log = logging.getLogger(__name__)

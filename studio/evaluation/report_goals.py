@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from studio.evaluation.report_tables import TRACKING, Column, Row, Rows
-from studio.imitation.crossing import SOURCES
 from studio.reference.intent import STATES, StateName
+from studio.rl.crossing import SOURCES
 
 
 @dataclass(frozen=True, kw_only=True)

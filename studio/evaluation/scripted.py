@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.control.policy import MODELS
 from studio.errors import StudioError
 from studio.evaluation.contenders import contender
-from studio.imitation import episodes
-from studio.imitation.bank import assemble
-from studio.imitation.policy import MODELS
 from studio.reference.intent import IntentTrack, StateName
 from studio.reference.motion import ReferenceMotion
 from studio.reference.realize import realize
+from studio.rl import episodes
+from studio.rl.bank import assemble
 
 Array = NDArray[np.float64]
 

@@ -12,16 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
+from studio.control.command import PuppeteerConfig
 from studio.human.calibration import calibrate
-from studio.mocap.operator import InteractiveOperator
-from studio.orders import PuppeteerConfig
 from studio.puppeteer import Puppeteer
-from studio.recording.tick import Tick
 from studio.reference import gait
 from studio.reference.intent import Intent
 from studio.retarget.store import STYLES
 from studio.robot.a1 import CONTROL_DT
+from studio.synthetic.operator import InteractiveOperator
+from studio.takes.tick import Tick
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
@@ -183,7 +183,7 @@ def walking(speed: float, turn: float) -> Intent:
 def motion(ticks: list[Tick]) -> tuple[float, float]:
     """Mean speed (m/s) along the robot's own heading, and mean turn (rad/s)."""
     pos = np.array([tick.robot.base_pos[:2] for tick in ticks])
-    yaw = np.unwrap(spatial.heading(np.array([tick.robot.base_quat for tick in ticks])))
+    yaw = np.unwrap(geometry.heading(np.array([tick.robot.base_quat for tick in ticks])))
     way, middle = np.diff(pos, axis=0), 0.5 * (yaw[1:] + yaw[:-1])
     span = CONTROL_DT * (len(ticks) - 1)
     forward = np.sum(np.cos(middle) * way[:, 0] + np.sin(middle) * way[:, 1])

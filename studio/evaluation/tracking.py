@@ -14,14 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 from rich.progress import Progress
 
+from studio.control.policy import MODELS
 from studio.errors import StudioError, unknown_name
 from studio.evaluation.contenders import CONTROLLERS, Contender, contender
-from studio.imitation import episodes as simulate
-from studio.imitation.bank import MotionBank, task_names
-from studio.imitation.bank_store import STUDIO, digest, library_bank, save_arrays
-from studio.imitation.policy import MODELS
 from studio.metrics import bootstrap_ci
 from studio.reference.intent import STATES, StateName
+from studio.rl import episodes as simulate
+from studio.rl.bank import MotionBank, task_names
+from studio.rl.bank_store import STUDIO, digest, library_bank, save_arrays
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
@@ -178,5 +178,5 @@ def _code() -> str:
         for room in ("imitation", "reference", "robot", "sim")
         for f in (STUDIO / room).rglob("*.py")
     ]
-    files += [STUDIO / "spatial.py", STUDIO / "evaluation" / "disturbed.py"]
+    files += [STUDIO / "geometry.py", STUDIO / "evaluation" / "disturbed.py"]
     return digest(files)

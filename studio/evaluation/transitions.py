@@ -12,12 +12,12 @@ from typing import Any, cast
 
 import numpy as np
 
+from studio.control.policy import MODELS
 from studio.evaluation.contenders import contender, path_of
 from studio.evaluation.tracking import CACHE, Job, Motions, compare
-from studio.imitation.bank import MotionBank, assemble, warp
-from studio.imitation.crossing import SOURCES, crossing, rests_on_legs
-from studio.imitation.policy import MODELS
 from studio.reference.intent import StateName
+from studio.rl.bank import MotionBank, assemble, warp
+from studio.rl.crossing import SOURCES, crossing, rests_on_legs
 from studio.robot import a1
 
 SECONDS = 10.0

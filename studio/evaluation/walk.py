@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from studio import spatial
+from studio import geometry
 from studio.evaluation.scripted import controllers, record
 from studio.reference import gait
 from studio.reference.marching import Bout, march_track
@@ -46,14 +46,14 @@ def run_walk(seed: int = 0) -> dict[str, Any]:
     span = SECONDS - SETTLE - 1.0 / 30.0
     for controller in controllers("walk"):
         done = record("walk", tracks, controller, seed=seed)
-        yaw = np.unwrap(spatial.heading(done.base_quat), axis=0)
+        yaw = np.unwrap(geometry.heading(done.base_quat), axis=0)
         for i, (speed, turn) in enumerate(CASES):
             asked = done.motions[i]
             way = np.diff(done.base_pos[start:, i, :2], axis=0)
             middle = 0.5 * (yaw[start + 1 :, i] + yaw[start:-1, i])
             forward = np.sum(np.cos(middle) * way[:, 0] + np.sin(middle) * way[:, 1])
             asked_way = np.sum(np.linalg.norm(np.diff(asked.base_pos[start:, :2], axis=0), axis=-1))
-            asked_yaw = np.unwrap(spatial.heading(asked.base_quat))
+            asked_yaw = np.unwrap(geometry.heading(asked.base_quat))
             gap = np.linalg.norm(
                 (done.base_pos[-1, i] - done.base_pos[0, i])[:2]
                 - (asked.base_pos[-1] - asked.base_pos[1])[:2]

@@ -86,5 +86,5 @@ def _facing(left: list[float], right: list[float]) -> float:
 
 
 def wrapped(angle: float) -> float:
-    """An angle (rad) in [-pi, pi); plain floats, which `spatial.wrap_angle` is slow for."""
+    """An angle (rad) in [-pi, pi); plain floats, which `geometry.wrap_angle` is slow for."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi

@@ -10,16 +10,16 @@ import numpy as np
 
 from studio.errors import StudioError
 from studio.human.calibration import Calibration
-from studio.live.clerk import Clerk
 from studio.live.collect import ACTIONS, Collect, CollectPlan, Slot, Step
+from studio.live.disk_writer import Clerk
 from studio.live.shown import QUIET_S, Place, PlanItem, at_rest, draw_motion
-from studio.mocap import Source
-from studio.recording import edits
-from studio.recording.names import take_folder
-from studio.recording.recorder import Recorder
-from studio.recording.sessions import SessionBook, session_name
 from studio.reference.intent import Intent, StateName
 from studio.robot.pose import ReferencePose, RobotPose
+from studio.sources import Source
+from studio.takes.edit import edits
+from studio.takes.names import take_folder
+from studio.takes.record.recorder import Recorder
+from studio.takes.sessions import SessionBook, session_name
 
 log = logging.getLogger(__name__)
 

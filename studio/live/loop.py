@@ -15,7 +15,7 @@ from studio.live.mailbox import BoundedQueue, Latest
 from studio.live.opened import SessionConfig, prepared
 from studio.live.session import Session
 from studio.live.state import state_dict
-from studio.recording.tick import Tick
+from studio.takes.tick import Tick
 
 log = logging.getLogger(__name__)
 

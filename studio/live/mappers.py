@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from studio.control.command import PuppeteerConfig
 from studio.errors import StudioError, unknown_name
 from studio.live.commands import SetMapper, SetStyle
-from studio.orders import PuppeteerConfig
-from studio.recording.names import check_name
 from studio.retarget.store import Experts, load_experts, read_experts
+from studio.takes.names import check_name
 
 FOLDER, SIDECAR = "mappers", "mapper.json"
 

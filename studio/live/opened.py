@@ -7,17 +7,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from studio.control.command import PuppeteerConfig
 from studio.human.calibration import Calibration, calibrate
 from studio.live import commands as c
 from studio.live.collect import CollectPlan, Slot
 from studio.live.collecting import draw_slots
 from studio.live.mappers import open_mapper
 from studio.live.replay import Replay
-from studio.mocap import Source, open_source
-from studio.mocap.follower import FollowingOperator
-from studio.orders import PuppeteerConfig
-from studio.recording.names import take_folder
-from studio.recording.take import read_take
+from studio.sources import Source, open_source
+from studio.synthetic.follower import FollowingOperator
+from studio.takes.names import take_folder
+from studio.takes.take import read_take
 
 if TYPE_CHECKING:
     from studio.live.playback import Playback
@@ -96,7 +96,7 @@ def follower_for(config: SessionConfig, source: Source) -> OpenedSource | None:
 def open_take(config: SessionConfig, command: c.ShowTake) -> OpenedReplay:
     """A take for review, as its edits leave it. StudioError if there is none of that name."""
     from studio.live.playback import Playback
-    from studio.recording.edited import open_table
+    from studio.takes.edit.edited import open_table
 
     table, edits = open_table(config.sessions, command.name)
     playback = Playback(command.name, table, edits, aligned=command.aligned)

@@ -3,10 +3,10 @@
 from dataclasses import replace
 
 from studio.live.transport import Transport
-from studio.recording.columns import Columns
-from studio.recording.edits import Edits
-from studio.recording.tick import Tick
-from studio.recording.viewed import Viewed
+from studio.takes.columns import Columns
+from studio.takes.edit.edits import Edits
+from studio.takes.edit.viewed import Viewed
+from studio.takes.tick import Tick
 
 
 class Playback(Transport):

@@ -3,7 +3,7 @@
 import logging
 
 from studio.human.pose import HumanPose
-from studio.mocap import Source, SourceEnded
+from studio.sources import Source, SourceEnded
 
 log = logging.getLogger(__name__)
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from studio.errors import StudioError
 from studio.live.transport import Transport
-from studio.recording.tick import Tick
 from studio.robot.a1 import CONTROL_DT
+from studio.takes.tick import Tick
 
 
 class Replay(Transport):

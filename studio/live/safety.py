@@ -12,8 +12,8 @@ It decides from times and flags that it is told, never from a clock of its own.
 
 from dataclasses import dataclass
 
-from studio.imitation.controller import Directive
-from studio.orders import Orders
+from studio.control.command import Orders
+from studio.control.controller import Directive
 
 HOLD_AFTER = 0.3
 STAND_AFTER = 0.5

@@ -14,12 +14,12 @@ from studio.live.opened import OpenedSource, SessionConfig, open_for
 from studio.live.reading import Reading
 from studio.live.replay import Replay
 from studio.live.safety import Safety, Situation
-from studio.mocap import Source
 from studio.puppeteer import Puppeteer
-from studio.recording.recorder import Recorder
-from studio.recording.tick import Tick
 from studio.reference.intent import StateName
 from studio.robot.pose import ReferencePose
+from studio.sources import Source
+from studio.takes.record.recorder import Recorder
+from studio.takes.tick import Tick
 
 if TYPE_CHECKING:
     from studio.live.playback import Playback

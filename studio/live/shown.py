@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.errors import StudioError, unknown_name
 from studio.reference.intent import Intent, IntentTrack, StateName
 from studio.reference.library import TASKS
@@ -120,13 +120,13 @@ class Place:
 
     def of(self, pose: ReferencePose) -> ReferencePose:
         """A pose shown from the origin, here."""
-        turn = spatial.quat_from_rpy([0.0, 0.0, self.yaw])
+        turn = geometry.quat_from_rpy([0.0, 0.0, self.yaw])
         shift = np.array([self.xy[0], self.xy[1], 0.0])
         return replace(
             pose,
-            base_pos=spatial.quat_rotate(turn, pose.base_pos) + shift,
-            base_quat=spatial.quat_mul(turn, pose.base_quat),
-            base_lin_vel_w=spatial.quat_rotate(turn, pose.base_lin_vel_w),
+            base_pos=geometry.quat_rotate(turn, pose.base_pos) + shift,
+            base_quat=geometry.quat_mul(turn, pose.base_quat),
+            base_lin_vel_w=geometry.quat_rotate(turn, pose.base_lin_vel_w),
         )
 
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from studio.recording.tick import Tick
 from studio.robot.pose import RobotPose
+from studio.takes.tick import Tick
 
 if TYPE_CHECKING:
     from studio.live.session import Session

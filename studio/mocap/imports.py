@@ -10,15 +10,16 @@ from studio.errors import StudioError
 from studio.human.pose import HumanClip, HumanPose
 from studio.mocap.bvh import load_bvh
 from studio.mocap.frames import load_frames
-from studio.recording import adding, commands
-from studio.recording.library import SessionLibrary
-from studio.recording.names import check_take, slug, take_folder
-from studio.recording.recorder import TAPE
-from studio.recording.take import Recorder, Take
-from studio.recording.tick import Tick
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1, kinematics
 from studio.robot.pose import ReferencePose, RobotState
+from studio.takes import commands
+from studio.takes.export import adding
+from studio.takes.library import SessionLibrary
+from studio.takes.names import check_take, slug, take_folder
+from studio.takes.record.recorder import TAPE
+from studio.takes.take import Recorder, Take
+from studio.takes.tick import Tick
 
 SUFFIXES = (".bvh", ".jsonl", ".json", ".ndjson")
 MAX_SECONDS = 6 * 3600.0

@@ -6,9 +6,9 @@ from pathlib import Path
 from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.mocap.source import SourceEnded
-from studio.recording.exports import tick_range
-from studio.recording.library import SessionLibrary
 from studio.robot import a1
+from studio.takes.export.formats import tick_range
+from studio.takes.library import SessionLibrary
 
 _CALIBRATION_POSES = 300
 

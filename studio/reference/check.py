@@ -8,7 +8,7 @@ and do not slide, and balance where the robot must be balanced: the centre of ma
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.reference import stances
 from studio.reference.motion import ReferenceMotion, backward_difference
 from studio.robot import a1, kinematics
@@ -88,7 +88,7 @@ def _feet(motion: ReferenceMotion, feet: Array) -> list[str]:
 
 def _balance(motion: ReferenceMotion, feet: Array) -> list[str]:
     com_b = kinematics.center_of_mass_b(motion.joint_pos)
-    com = motion.base_pos + spatial.quat_rotate(motion.base_quat, com_b)
+    com = motion.base_pos + geometry.quat_rotate(motion.base_quat, com_b)
     if motion.state == "walk":
         return _zmp_balance(motion, feet, com)
     support, on = feet[..., :2], motion.foot_contact > 0.5

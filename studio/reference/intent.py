@@ -1,9 +1,9 @@
 """What an operator means, in the robot's terms: the one value people, scripts and keys set.
 
 An intent drives two things that must agree: the synthetic operator acts it out
-(`mocap.operator`), the reference library realises it on the robot (`reference.library`). A pair of
-the two is what a mapper learns from. Nothing else turns an intent into robot motion: live, a
-keyboard sets an intent, the operator acts it, the mapper reads the person.
+(`synthetic.operator`), the reference library realises it on the robot (`reference.library`). A
+pair of the two is what a mapper learns from. Nothing else turns an intent into robot motion: live,
+a keyboard sets an intent, the operator acts it, the mapper reads the person.
 """
 
 from dataclasses import dataclass, field, replace

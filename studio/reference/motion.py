@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.reference.intent import StateName
 from studio.robot.pose import ReferencePose
 
@@ -45,7 +45,7 @@ class ReferenceMotion:
     @property
     def base_ang_vel_b(self) -> Array:
         """(T, 3) rad/s, body, backward differences."""
-        return spatial.ang_vel_b(self.base_quat, self.dt)
+        return geometry.ang_vel_b(self.base_quat, self.dt)
 
     def poses(self) -> list[ReferencePose]:
         """One ReferencePose per frame."""

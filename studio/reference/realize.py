@@ -7,7 +7,7 @@ stand (`walking.Walker`). `Realizer.step` and `realize` take the same path and a
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.reference import sitting, stances, standing, walking
 from studio.reference.contact import contact_label, contact_labels
 from studio.reference.intent import Intent, IntentTrack
@@ -75,10 +75,10 @@ class Realizer:
             speed, rates = np.zeros(4), {}
         else:
             speed = np.linalg.norm(feet - last_feet, axis=-1) / self.dt
-            turned = spatial.quat_mul(spatial.quat_conj(last.base_quat), quat)
+            turned = geometry.quat_mul(geometry.quat_conj(last.base_quat), quat)
             rates = {
                 "base_lin_vel_w": (base - last.base_pos) / self.dt,
-                "base_ang_vel_b": spatial.quat_to_rotvec(turned) / self.dt,
+                "base_ang_vel_b": geometry.quat_to_rotvec(turned) / self.dt,
                 "joint_vel": (joints - last.joint_pos) / self.dt,
             }
         contact = contact_label(feet[:, 2] - a1.FOOT_RADIUS, speed)
@@ -108,13 +108,13 @@ class Realizer:
             crouch = np.array([intent.crouch])
             base, quat, joints = standing.stand_poses(tilt, crouch, reach, side)
         x, y, yaw = self._place
-        turn = spatial.quat_from_rpy([0.0, 0.0, yaw])
-        base = spatial.quat_rotate(turn, base) + np.array([x, y, 0.0])
-        return base, spatial.quat_mul(turn, quat), joints
+        turn = geometry.quat_from_rpy([0.0, 0.0, yaw])
+        base = geometry.quat_rotate(turn, base) + np.array([x, y, 0.0])
+        return base, geometry.quat_mul(turn, quat), joints
 
 
 def _walk(walker: walking.Walker, intents: list[Intent]) -> tuple[Array, Array, Array]:
     base, rpy, feet = (np.array(v) for v in zip(*(walker.step(intent) for intent in intents)))
-    quat = spatial.quat_from_rpy(rpy)
-    feet_b = spatial.quat_rotate_inverse(quat[:, None, :], feet - base[:, None, :])
+    quat = geometry.quat_from_rpy(rpy)
+    feet_b = geometry.quat_rotate_inverse(quat[:, None, :], feet - base[:, None, :])
     return base, quat, kinematics.leg_ik(feet_b)[0]

@@ -1,6 +1,6 @@
 """Single rotations as plain floats: on one value these are ten times quicker than small arrays.
 
-The same conventions and results as `studio.spatial`, for the control loop's innermost steps.
+The same conventions and results as `studio.geometry`, for the control loop's innermost steps.
 """
 
 import math

@@ -8,7 +8,7 @@ rests on the floor (rolling to a side raises the other hip and knee: three suppo
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.reference import stances
 from studio.robot import a1, kinematics
 
@@ -30,7 +30,7 @@ _ROLL_SIDE = 0.57
 _FEET = stances.NEUTRAL_FEET["sit"][2:]
 _HIP_W = (
     stances.NEUTRAL["sit"].base_pos
-    + spatial.quat_rotate(stances.NEUTRAL["sit"].base_quat, _REAR_HIP)
+    + geometry.quat_rotate(stances.NEUTRAL["sit"].base_quat, _REAR_HIP)
 )  # fmt: skip
 _SETTLE = 0.003  # m: how softly the lower of two knees is chosen
 
@@ -42,7 +42,7 @@ def sit_poses(tilt: Array, reach: Array, reach_side: Array) -> tuple[Array, Arra
     """
     tilt = np.clip(tilt, -TILT_LIMIT, TILT_LIMIT)
     quat = stances.tilted("sit", tilt)
-    up = spatial.quat_rotate(quat, _REAR_HIP)
+    up = geometry.quat_rotate(quat, _REAR_HIP)
     hip = np.broadcast_to(_HIP_W, (len(tilt), 3)).copy()
     hip[:, 0] += _LEAN * tilt[:, 1]
     hip[:, 1] += _ROLL_SIDE * tilt[:, 0]
@@ -65,7 +65,7 @@ def arm_joints(reach: Array, side: Array) -> Array:
 
 def _rear_legs(base: Array, quat: Array, front: Array) -> Array:
     feet = np.broadcast_to(stances.NEUTRAL_FEET["sit"], (len(base), 4, 3))
-    feet_b = spatial.quat_rotate_inverse(quat[:, None, :], feet - base[:, None, :])
+    feet_b = geometry.quat_rotate_inverse(quat[:, None, :], feet - base[:, None, :])
     joints = kinematics.leg_ik(feet_b)[0]
     joints[:, :6] = front.reshape(-1, 6)
     return joints

@@ -9,7 +9,7 @@ trunk near vertical, it stays regular where Euler angles and headings of the tru
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.reference.intent import StateName
 from studio.robot import a1, kinematics
 from studio.robot.pose import RobotPose
@@ -35,8 +35,8 @@ def _sole_on_floor(quat: Array, joint_pos: Array) -> Array:
 
 
 def _neutral() -> dict[StateName, RobotPose]:
-    level = spatial.IDENTITY_QUAT.copy()
-    sit_quat = spatial.quat_from_rpy([0.0, SIT_PITCH, 0.0])
+    level = geometry.IDENTITY_QUAT.copy()
+    sit_quat = geometry.quat_from_rpy([0.0, SIT_PITCH, 0.0])
     sit_joints = np.concatenate([SIT_PAW_REST, SIT_PAW_REST, SIT_REAR, SIT_REAR])
     poses = {}
     for state, quat, joints, contact in (
@@ -65,7 +65,7 @@ NEUTRAL_FEET: dict[StateName, Array] = {
 
 def tilted(state: StateName, tilt: ArrayLike) -> Array:
     """Base orientations (..., 4) of tilts (..., 3) rad (roll, pitch, yaw) about the neutral."""
-    return spatial.quat_mul(spatial.quat_from_rpy(tilt), NEUTRAL[state].base_quat)
+    return geometry.quat_mul(geometry.quat_from_rpy(tilt), NEUTRAL[state].base_quat)
 
 
 def tilt_of(state: StateName, base_quat: ArrayLike) -> Array:
@@ -73,6 +73,6 @@ def tilt_of(state: StateName, base_quat: ArrayLike) -> Array:
 
     Its third component is the heading (yaw) of the robot in that state.
     """
-    return spatial.quat_to_rpy(
-        spatial.quat_mul(base_quat, spatial.quat_conj(NEUTRAL[state].base_quat))
+    return geometry.quat_to_rpy(
+        geometry.quat_mul(base_quat, geometry.quat_conj(NEUTRAL[state].base_quat))
     )

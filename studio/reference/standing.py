@@ -9,7 +9,7 @@ follow (a roll of 40 degrees on top of a pitch of 40, say) the tilt is scaled do
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.reference import stances
 from studio.reference.contact import smoothstep
 from studio.robot import a1, kinematics
@@ -105,7 +105,7 @@ def _solve(tilt: Array, crouch: Array, reach: Array, side: Array) -> tuple[Array
 
 def _com_xy(base: Array, quat: Array, joints: Array) -> Array:
     com_b = kinematics.center_of_mass_b(joints)
-    return base[:, :2] + spatial.quat_rotate(quat, com_b)[:, :2]
+    return base[:, :2] + geometry.quat_rotate(quat, com_b)[:, :2]
 
 
 def _legs(base: Array, quat: Array, reach: Array, side: Array) -> tuple[Array, Array]:
@@ -113,7 +113,7 @@ def _legs(base: Array, quat: Array, reach: Array, side: Array) -> tuple[Array, A
     u = np.clip((reach - LIFT_FROM) / (1.0 - LIFT_FROM), 0.0, 1.0)
     feet = np.broadcast_to(_FEET, (len(base), 4, 3)).copy()
     feet[:, :2, 2] += _CLEAR * smoothstep(u / 0.2)
-    feet_b = spatial.quat_rotate_inverse(quat[:, None, :], feet - base[:, None, :])
+    feet_b = geometry.quat_rotate_inverse(quat[:, None, :], feet - base[:, None, :])
     joints, error = kinematics.leg_ik(feet_b)
     # Held to the side a paw stays below the hip axis: above it the hip joint would swing it back.
     up = (np.clip(2.0 * u - 1.0, 0.0, 1.0) * (1.0 - 0.6 * np.abs(side)))[..., None]
@@ -138,5 +138,5 @@ def _above_floor(base: Array, quat: Array, joints: Array, u: Array) -> None:
         return
     feet = feet[low]
     feet[:, :2, 2] = np.maximum(feet[:, :2, 2], np.where(u[low] > 0.0, least[low], -np.inf))
-    feet_b = spatial.quat_rotate_inverse(quat[low, None, :], feet - base[low, None, :])
+    feet_b = geometry.quat_rotate_inverse(quat[low, None, :], feet - base[low, None, :])
     joints[low, :6] = kinematics.leg_ik(feet_b, near=joints[low])[0][:, :6]

@@ -8,14 +8,14 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.human.calibration import Calibration, Calibrator
 from studio.human.features import FeatureExtractor, Features
 from studio.human.pose import HumanPose
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
+from studio.retarget.foothold_planner import Planting
 from studio.retarget.mapper import Mapped
-from studio.retarget.planting import Planting
 from studio.retarget.selector import (
     SELECTOR_CUTOFF_HZ,
     Choice,
@@ -213,7 +213,7 @@ class Retargeter:
         rest = NEUTRAL[self._planting.state]
         return Mapped(
             joint_pos=rest.joint_pos + s * (mapped.joint_pos - rest.joint_pos),
-            base_quat=spatial.quat_slerp(rest.base_quat, mapped.base_quat, np.float64(s)),
+            base_quat=geometry.quat_slerp(rest.base_quat, mapped.base_quat, np.float64(s)),
             rates=s * mapped.rates,
             contact_prob=rest.foot_contact + s * (mapped.contact_prob - rest.foot_contact),
             turn=None if mapped.turn is None else s * mapped.turn,

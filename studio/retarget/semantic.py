@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.human.features import FEATURE_DIM
 from studio.human.skeleton import BONES
 from studio.reference import gait
@@ -209,17 +209,17 @@ class SemanticStride:
         """One control period's triplet (3F,) to what an expert says of it."""
         march = self.reader.step(np.asarray(triplet[:FEATURE_DIM], np.float64))
         pose = self._realizer.step(self._intent(march))
-        yaw = float(spatial.heading(pose.base_quat))
-        turned = spatial.wrap_angle(yaw - self._yaw)
+        yaw = float(geometry.heading(pose.base_quat))
+        turned = geometry.wrap_angle(yaw - self._yaw)
         self._yaw = yaw
         heading = np.array([math.cos(0.5 * yaw), 0.0, 0.0, math.sin(0.5 * yaw)])
         rates = np.zeros(NUM_RATES)
         rates[RATES["joint_vel"]] = pose.joint_vel
-        rates[RATES["base_lin_vel"]] = spatial.quat_rotate_inverse(heading, pose.base_lin_vel_w)
+        rates[RATES["base_lin_vel"]] = geometry.quat_rotate_inverse(heading, pose.base_lin_vel_w)
         rates[RATES["base_ang_vel"]] = pose.base_ang_vel_b
         return Mapped(
             joint_pos=pose.joint_pos,
-            base_quat=spatial.quat_mul(spatial.quat_conj(heading), pose.base_quat),
+            base_quat=geometry.quat_mul(geometry.quat_conj(heading), pose.base_quat),
             rates=rates,
             contact_prob=pose.foot_contact,
             turn=float(turned) / CONTROL_DT,

@@ -7,8 +7,8 @@ from typing import Any
 
 from safetensors.numpy import load_file
 
-from studio.carried import carried
 from studio.errors import StudioError, unknown_name
+from studio.paths import carried
 from studio.retarget.mapper import Expert, Mapper
 from studio.retarget.selector import Prototypes
 from studio.retarget.semantic import SemanticWalk

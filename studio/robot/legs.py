@@ -12,7 +12,7 @@ and the base frame sees Rx(a) (x, y, z) + hip offset.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.robot import a1, single
 
 Array = NDArray[np.float64]
@@ -63,7 +63,7 @@ def _leg_points(a: Array, b: Array, c: Array) -> Array:
 def to_world(base_pos: ArrayLike, base_quat: ArrayLike, points_b: ArrayLike) -> Array:
     """Points (..., N, 3) from the base frame to the world: p_w = R(base_quat) p_b + base_pos."""
     quat = np.asarray(base_quat, dtype=np.float64)
-    rot = _matrix(quat) if quat.ndim == 1 else spatial.quat_to_matrix(quat)
+    rot = _matrix(quat) if quat.ndim == 1 else geometry.quat_to_matrix(quat)
     points = np.asarray(points_b) @ np.swapaxes(rot, -1, -2)
     return points + np.asarray(base_pos, dtype=np.float64)[..., None, :]
 
@@ -106,7 +106,7 @@ def leg_ik(foot_b: ArrayLike, near: ArrayLike | None = None) -> tuple[Array, Arr
     # from it: on one side for a foot below the hip, on the other above (a raised paw).
     depth = np.sqrt(np.maximum(y * y + z * z - _Y**2, 0.0))
     direction, opening = np.arctan2(z, y), np.arctan2(depth, _Y)
-    hip = spatial.wrap_angle(np.stack([direction + opening, direction - opening]))
+    hip = geometry.wrap_angle(np.stack([direction + opening, direction - opening]))
     hip = np.minimum(np.maximum(hip, _LOWER[:, 0]), _UPPER[:, 0])
     thigh, calf = _plane_ik(x, -y * np.sin(hip) + z * np.cos(hip))
     gap = _leg_points(hip, thigh, calf) - foot
@@ -124,12 +124,12 @@ def _plane_ik(x: Array, z: Array) -> tuple[Array, Array]:
     calf = -np.arccos(np.minimum(np.maximum(cos_calf, -1.0), 1.0))
     calf = np.minimum(np.maximum(calf, _LOWER[:, 2]), _UPPER[:, 2])
     thigh = np.arctan2(-x, -z) - np.arctan2(_L2 * np.sin(calf), _L1 + _L2 * np.cos(calf))
-    thigh = spatial.wrap_angle(thigh - _THIGH_MIDDLE) + _THIGH_MIDDLE
+    thigh = geometry.wrap_angle(thigh - _THIGH_MIDDLE) + _THIGH_MIDDLE
     limited = np.minimum(np.maximum(thigh, _LOWER[:, 1]), _UPPER[:, 1])
     at_limit = limited != thigh
     if np.any(at_limit):  # the thigh stops: the calf points from the knee towards the target
         towards = np.arctan2(-x - _L1 * np.sin(limited), -z - _L1 * np.cos(limited)) - limited
-        towards = spatial.wrap_angle(towards + np.pi / 2) - np.pi / 2  # into [-3/2 pi, pi/2)
+        towards = geometry.wrap_angle(towards + np.pi / 2) - np.pi / 2  # into [-3/2 pi, pi/2)
         towards = np.minimum(np.maximum(towards, _LOWER[:, 2]), _UPPER[:, 2])
         calf = np.where(at_limit, towards, calf)
     return limited, calf

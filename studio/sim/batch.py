@@ -11,7 +11,7 @@ import numpy as np
 from mujoco import batch as mjbatch
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.robot import a1
 from studio.sim import randomize
 from studio.sim.spec import ModelConfig, build_spec
@@ -77,7 +77,7 @@ class BatchWorld:
         self.num_links = len(self._links)
         self.target = np.tile(a1.STAND_JOINT_POS, (n, 1))
         self.delay = np.zeros(n)
-        self.slope_quat = np.tile(spatial.IDENTITY_QUAT, (n, 1))
+        self.slope_quat = np.tile(geometry.IDENTITY_QUAT, (n, 1))
         self.slope_axis = np.zeros((n, 2))
         self.dynamics_factors = np.tile([1.0, 1.0, 1.0], (n, 1))
         self._period = np.zeros(n)
@@ -115,7 +115,7 @@ class BatchWorld:
     @property
     def imu_quat(self) -> Array:
         """(N, 4) the trunk in a frame whose z opposes gravity: what an IMU can know."""
-        return spatial.quat_mul(self.slope_quat, self.base_quat)
+        return geometry.quat_mul(self.slope_quat, self.base_quat)
 
     def set_dynamics(self, ids: NDArray[np.intp], drawn: randomize.Dynamics) -> None:
         """Give simulations `ids` their own dynamics, absolute (not on top of earlier ones)."""
@@ -137,7 +137,7 @@ class BatchWorld:
         self._gravity[ids] = randomize.gravity(drawn.slope_axis)
         self.slope_axis[ids] = drawn.slope_axis
         rotvec = np.concatenate([drawn.slope_axis, np.zeros((len(ids), 1))], axis=1)
-        self.slope_quat[ids] = spatial.quat_from_rotvec(rotvec)
+        self.slope_quat[ids] = geometry.quat_from_rotvec(rotvec)
         self.delay[ids] = drawn.delay
         self.dynamics_factors[ids] = np.stack([drawn.friction, drawn.kp, drawn.kd], axis=-1)
         self._period[ids] = drawn.period

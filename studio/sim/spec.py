@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 import yourdfpy
 
-from studio import spatial
+from studio import geometry
 from studio.errors import StudioError
 from studio.robot import a1
 from studio.robot.collision import CAPSULES, PAIRS
@@ -127,7 +127,7 @@ def _add_links(body: mujoco.MjsBody, link_name: str, config: ModelConfig) -> Non
             continue  # the shoulder has neither mass nor a shape of ours
         origin = np.eye(4) if joint.origin is None else joint.origin
         child = body.add_body(
-            name=joint.child, pos=origin[:3, 3], quat=spatial.quat_from_matrix(origin[:3, :3])
+            name=joint.child, pos=origin[:3, 3], quat=geometry.quat_from_matrix(origin[:3, :3])
         )
         if joint.type == "revolute":
             assert joint.limit is not None

@@ -17,7 +17,7 @@ from zipfile import BadZipFile
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.robot import a1, kinematics
 from studio.robot.pose import RobotPose
 
@@ -157,7 +157,7 @@ def _openness(vertices: Array, faces: NDArray, directions: int = 64) -> Array:
     views = np.stack([np.cos(around) * sines, np.sin(around) * sines, np.cos(polar)], axis=-1)
     seen = np.zeros(len(faces))
     for view in views:
-        side = spatial.normalize(np.cross(view, np.eye(3)[np.argmin(np.abs(view))]))
+        side = geometry.normalize(np.cross(view, np.eye(3)[np.argmin(np.abs(view))]))
         plane = np.stack([side, np.cross(view, side)], axis=-1)
         pixel = np.floor(points @ plane / cell).astype(int)
         pixel -= pixel.min(axis=0)

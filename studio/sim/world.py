@@ -7,7 +7,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.errors import StudioError
 from studio.robot import a1, kinematics
 from studio.robot.pose import RobotPose, RobotState
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 _VARIED = ("body_mass", "body_inertia")
 _HOME = RobotPose(
     base_pos=np.array([0.0, 0.0, a1.STAND_HEIGHT]),
-    base_quat=spatial.IDENTITY_QUAT,
+    base_quat=geometry.IDENTITY_QUAT,
     joint_pos=a1.STAND_JOINT_POS,
     foot_contact=np.ones(4),
 )
@@ -68,7 +68,7 @@ class World:
         self._classify_geoms()
         self._nominal = {name: np.array(getattr(self.model, name)) for name in _VARIED}
         self._kp, self._kd, self._delay = config.model.kp, config.model.kd, 0.0
-        self._ground = spatial.IDENTITY_QUAT
+        self._ground = geometry.IDENTITY_QUAT
         self.damping = False
         self.state = self.reset()
 
@@ -89,7 +89,7 @@ class World:
         self._kp = self.config.model.kp * float(drawn.kp[0])
         self._kd = self.config.model.kd * float(drawn.kd[0])
         self._delay = float(drawn.delay[0])
-        self._ground = spatial.quat_from_rotvec(np.append(drawn.slope_axis[0], 0.0))
+        self._ground = geometry.quat_from_rotvec(np.append(drawn.slope_axis[0], 0.0))
         model.geom_quat[model.geom("floor").id] = self._ground
         mujoco.mj_setConst(model, self.data)
         self.set_damping(self.damping)
@@ -116,13 +116,13 @@ class World:
             raise StudioError("the pose to reset to must be finite, with a unit quaternion")
         mujoco.mj_resetData(self.model, self.data)
         self.set_damping(False)
-        quat = spatial.normalize(pose.base_quat)
+        quat = geometry.normalize(pose.base_quat)
         joint_pos = np.clip(pose.joint_pos, a1.JOINT_LOWER, a1.JOINT_UPPER)
         base_pos = np.array([pose.base_pos[0], pose.base_pos[1], 0.0])
         base_pos[2] = -lowest_point(base_pos, quat, joint_pos)
-        if self._ground is not spatial.IDENTITY_QUAT:
-            base_pos = spatial.quat_rotate(self._ground, base_pos)
-            quat = spatial.quat_mul(self._ground, quat)
+        if self._ground is not geometry.IDENTITY_QUAT:
+            base_pos = geometry.quat_rotate(self._ground, base_pos)
+            quat = geometry.quat_mul(self._ground, quat)
         self.data.qpos[:3], self.data.qpos[3:7], self.data.qpos[7:19] = base_pos, quat, joint_pos
         self._told = self.data.ctrl[:12] = joint_pos
         mujoco.mj_forward(self.model, self.data)
@@ -211,7 +211,7 @@ class World:
             touched = self._geom_foot[outside]
             foot[touched[touched >= 0]] = 1.0
             trunk = bool(self._geom_trunk[outside].any())
-        pos, quat = data.qpos[:3].copy(), spatial.normalize(data.qpos[3:7])
+        pos, quat = data.qpos[:3].copy(), geometry.normalize(data.qpos[3:7])
         joint_pos = data.qpos[7:19].copy()
         return RobotState(
             base_pos=pos,

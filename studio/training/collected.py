@@ -22,15 +22,15 @@ from typing import Any, Literal
 import numpy as np
 from safetensors.numpy import load_file, save_file
 
-from studio import metrics, spatial
+from studio import geometry, metrics
 from studio.errors import StudioError
-from studio.recording.names import check_name
 from studio.reference.intent import STATES, StateName
 from studio.retarget.baselines.base import FrameMapper, Targets
 from studio.retarget.baselines.nearest import NearestPair
 from studio.retarget.baselines.ridge import Ridge
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, ruled, stem, style_dir
+from studio.takes.names import check_name
 from studio.training.machine import commit
 from studio.training.mapper_fit import MapperTraining, fit_expert
 from studio.training.mapper_net import MapperNet
@@ -238,7 +238,7 @@ def split_pairs(parts: Mapping[str, PairSet]) -> Split:
 def score(method: FrameMapper, pairs: PairSet) -> dict[str, float]:
     """A method on pairs, frame by frame: joint RMSE and trunk error in degrees, contact F1."""
     said = method(pairs.triplet)
-    angle = spatial.quat_angle(said.base_quat, spatial.normalize(pairs.base_quat))
+    angle = geometry.quat_angle(said.base_quat, geometry.normalize(pairs.base_quat))
     return {
         "joint_rmse_deg": round(float(metrics.joint_rmse_deg(said.joint_pos, pairs.joint_pos)), 3),
         "orientation_error_deg": round(float(np.degrees(angle).mean()), 3),

@@ -15,9 +15,9 @@ import numpy as np
 import torch
 from rsl_rl.algorithms import PPO
 
-from studio.imitation.env import ImitationEnv
-from studio.imitation.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
-from studio.imitation.teacher import TeacherConfig, teacher_action
+from studio.control.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
+from studio.rl.env import ImitationEnv
+from studio.rl.teacher import TeacherConfig, teacher_action
 from studio.training.parallel import ALONE, Crew
 from studio.training.ppo import mirror_tensors
 

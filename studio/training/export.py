@@ -18,11 +18,11 @@ import tyro
 from onnx import TensorProto, helper, numpy_helper
 from scipy.signal import butter
 
+from studio.control.action import ACTION_CLIP
+from studio.control.observation import HEADING_CLIP, MAKES_UP_FROM, PLACE_CLIP
+from studio.control.policy import Policy, Symmetric
+from studio.control.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
 from studio.errors import StudioError
-from studio.imitation.action import ACTION_CLIP
-from studio.imitation.observation import HEADING_CLIP, MAKES_UP_FROM, PLACE_CLIP
-from studio.imitation.policy import Policy, Symmetric
-from studio.imitation.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
 from studio.robot import a1
 
 

@@ -14,7 +14,7 @@ from typing import Any, Literal
 import numpy as np
 import torch
 
-from studio import spatial
+from studio import geometry
 from studio.errors import StudioError
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
@@ -131,7 +131,9 @@ def score(mapper: Mapper, pairs: PairSet) -> dict[str, float]:
     return {
         "joint_rmse_deg": float(np.degrees(np.sqrt(np.mean(error**2)))),
         "orientation_error_deg": float(
-            np.degrees(spatial.quat_angle(out.base_quat, spatial.normalize(pairs.base_quat)).mean())
+            np.degrees(
+                geometry.quat_angle(out.base_quat, geometry.normalize(pairs.base_quat)).mean()
+            )
         ),
         "contact_f1": 2.0 * hits / max(float(said.sum() + is_so.sum()), 1.0),
     }

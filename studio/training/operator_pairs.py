@@ -10,13 +10,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.human.calibration import Calibration, calibrate
 from studio.human.features import FEATURE_DIM, clip_features
 from studio.human.pose import HumanClip
 from studio.human.skeleton import MIRROR, NUM_BONES
-from studio.mocap.performer import Person, exercise, play
-from studio.mocap.performer import signals as sig
 from studio.reference.contact import smoothstep
 from studio.reference.intent import IntentTrack, StateName
 from studio.reference.library import TASKS
@@ -24,6 +22,8 @@ from studio.reference.motion import ReferenceMotion
 from studio.reference.realize import realize
 from studio.retarget.mapper import NUM_RATES, RATES
 from studio.retarget.states import EXPERTS
+from studio.synthetic import Person, exercise, play
+from studio.synthetic import signals as sig
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
@@ -155,7 +155,7 @@ def pair_up(
     robot = label_motion(
         track.state,
         _sample(motion.base_pos[:n], at),
-        spatial.normalize(_sample(motion.base_quat[:n], at)),
+        geometry.normalize(_sample(motion.base_quat[:n], at)),
         _sample(motion.joint_pos[:n], at),
         motion.dt,
     )
@@ -176,7 +176,7 @@ def label_motion(
 
     Backward differences over 0.1 s. Walking, the state's frame turns with the heading.
     """
-    yaw = spatial.heading(base_quat) if EXPERTS[state].turns else np.zeros(len(base_quat))
+    yaw = geometry.heading(base_quat) if EXPERTS[state].turns else np.zeros(len(base_quat))
     frame = np.zeros_like(base_quat)
     frame[:, 0], frame[:, 3] = np.cos(0.5 * yaw), np.sin(0.5 * yaw)
     back = np.maximum(np.arange(len(joint_pos)) - DELTA, 0)
@@ -187,18 +187,18 @@ def label_motion(
         return (x - x[back]) / span
 
     lin_vel_w = rate(base_pos)
-    turn = spatial.quat_mul(spatial.quat_conj(base_quat[back]), base_quat)
-    ang_vel = spatial.quat_to_rotvec(turn) / span
+    turn = geometry.quat_mul(geometry.quat_conj(base_quat[back]), base_quat)
+    ang_vel = geometry.quat_to_rotvec(turn) / span
     for name, value in (
         ("joint_vel", rate(joint_pos)),
         ("joint_acc", rate(rate(joint_pos))),
-        ("base_lin_vel", spatial.quat_rotate_inverse(frame, lin_vel_w)),
-        ("base_lin_acc", spatial.quat_rotate_inverse(frame, rate(lin_vel_w))),
+        ("base_lin_vel", geometry.quat_rotate_inverse(frame, lin_vel_w)),
+        ("base_lin_acc", geometry.quat_rotate_inverse(frame, rate(lin_vel_w))),
         ("base_ang_vel", ang_vel),
         ("base_ang_acc", rate(ang_vel)),
     ):
         rates[:, RATES[name]] = value
-    quat = spatial.quat_mul(spatial.quat_conj(frame), base_quat)
+    quat = geometry.quat_mul(geometry.quat_conj(frame), base_quat)
     return {"joint_pos": joint_pos, "base_quat": quat, "rates": rates, "base_pos": base_pos}
 
 

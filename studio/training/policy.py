@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from safetensors.numpy import save_file
 
-from studio.imitation.policy import MODELS, save_policy
+from studio.control.policy import MODELS, save_policy
 from studio.training.device import threads
 from studio.training.parallel import Crew, join, leave
 from studio.training.policy_settings import PolicyTraining

@@ -6,19 +6,19 @@ from typing import Literal, get_args
 
 import numpy as np
 
+from studio.control.action import ActionConfig, ActionMode
+from studio.control.observation import FutureKind, ObservationConfig
 from studio.errors import StudioError, unknown_name
-from studio.imitation import foresight
-from studio.imitation.action import ActionConfig, ActionMode
-from studio.imitation.bank import MotionBank, merged
-from studio.imitation.bank_store import library_bank
-from studio.imitation.curriculum import Curriculum, stages
-from studio.imitation.env import ImitationEnv
-from studio.imitation.env_config import EnvConfig
-from studio.imitation.noise import NoiseConfig
-from studio.imitation.observation import FutureKind, ObservationConfig
-from studio.imitation.privileged import PrivilegedEnv
-from studio.imitation.reward import RewardConfig
 from studio.reference.intent import STATES, StateName
+from studio.rl import foresight
+from studio.rl.bank import MotionBank, merged
+from studio.rl.bank_store import library_bank
+from studio.rl.curriculum import Curriculum, stages
+from studio.rl.env import ImitationEnv
+from studio.rl.env_config import EnvConfig
+from studio.rl.noise import NoiseConfig
+from studio.rl.privileged import PrivilegedEnv
+from studio.rl.reward import RewardConfig
 from studio.training.device import check_device
 from studio.training.ppo import PAPER, PpoConfig
 from studio.training.retargeted import with_people

@@ -12,12 +12,12 @@ from typing import Any, cast
 import numpy as np
 import torch
 
+from studio.control.observation import level_quat
+from studio.control.policy import manifest_of
 from studio.errors import StudioError
-from studio.imitation.env import ImitationEnv
-from studio.imitation.foresight import Foresight
-from studio.imitation.observation import level_quat
-from studio.imitation.policy import manifest_of
-from studio.imitation.privileged import LearnedTeacher
+from studio.rl.env import ImitationEnv
+from studio.rl.foresight import Foresight
+from studio.rl.privileged import LearnedTeacher
 from studio.training import checkpoint
 from studio.training.device import random_states, restore_random_states
 from studio.training.distil import Distiller

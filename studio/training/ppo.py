@@ -10,13 +10,13 @@ import torch
 from rsl_rl.algorithms import PPO
 from tensordict import TensorDict
 
-from studio.imitation.env import ImitationEnv
-from studio.imitation.symmetry import (
+from studio.control.symmetry import (
     JOINT_INDEX,
     JOINT_SIGN,
     observation_mirror,
     privileged_mirror,
 )
+from studio.rl.env import ImitationEnv
 from studio.training.device import threads
 from studio.training.learner import Learner
 from studio.training.parallel import ALONE, Crew

@@ -12,16 +12,16 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.imitation.bank import MotionBank, assemble, merged
-from studio.imitation.bank_store import STUDIO, digest, kept
-from studio.mocap import open_source, poses
-from studio.orders import PuppeteerConfig
+from studio.control.command import PuppeteerConfig
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.reference.motion import ReferenceMotion
 from studio.retarget.store import MODELS
+from studio.rl.bank import MotionBank, assemble, merged
+from studio.rl.bank_store import STUDIO, digest, kept
 from studio.robot import a1
 from studio.robot.pose import ReferencePose
+from studio.sources import open_source, poses
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from studio.human.calibration import Calibration, calibrate
 from studio.human.features import clip_features
 from studio.human.skeleton import INDEX
-from studio.mocap.performer import Performance, Person, exercise, play, squats
-from studio.mocap.performer import signals as sig
 from studio.reference.library import TASKS
 from studio.retarget.selector import NAMES, SELECTOR_CUTOFF_HZ, TripletFilter
+from studio.synthetic import Performance, Person, exercise, play, squats
+from studio.synthetic import signals as sig
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]

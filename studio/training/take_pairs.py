@@ -7,11 +7,11 @@ from pathlib import Path
 import numpy as np
 
 from studio.errors import StudioError
-from studio.recording import datasets
-from studio.recording.datasets import DataSet
-from studio.recording.library import SessionLibrary
 from studio.reference.intent import STATES
 from studio.retarget.mapper import NUM_RATES, RATES
+from studio.takes.dataset import datasets
+from studio.takes.dataset.datasets import DataSet
+from studio.takes.library import SessionLibrary
 from studio.training.operator_pairs import PairSet
 
 

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 import tyro
 
+from studio.control.policy import MODELS
 from studio.errors import StudioError, unknown_name
-from studio.imitation.policy import MODELS
 from studio.training.policy import run_train_policy
 from studio.training.policy_settings import PolicyName, PolicyTraining, Recipe
 

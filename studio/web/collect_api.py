@@ -11,9 +11,9 @@ from studio.errors import StudioError
 from studio.live.collect import CollectPlan
 from studio.live.commands import AddToPlan, CollectAction, SetPlan
 from studio.live.shown import PROMPTS, PlanItem
-from studio.recording.datamap import DataMap
-from studio.recording.sessions import SessionBook
 from studio.reference.library import TASKS
+from studio.takes.dataset.datamap import DataMap
+from studio.takes.sessions import SessionBook
 from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 

@@ -6,8 +6,8 @@ import msgspec
 import numpy as np
 
 from studio.human.pose import HumanPose
-from studio.recording.tick import Tick
 from studio.robot.pose import ReferencePose, RobotPose, RobotState
+from studio.takes.tick import Tick
 
 DIGITS = 5
 """10 µm and 0.0006°: finer than anything the view or a script can use."""

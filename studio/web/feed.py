@@ -5,7 +5,7 @@ import threading
 from collections.abc import AsyncIterator
 
 from studio.live.mailbox import Latest
-from studio.recording.tick import Tick
+from studio.takes.tick import Tick
 from studio.web.encode import tick_json
 
 

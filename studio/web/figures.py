@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.human.skeleton import INDEX, NUM_JOINTS, PARENTS
 
 Array = NDArray[np.float64]
@@ -113,7 +113,7 @@ def bone_transforms(joint_pos: Array) -> tuple[Array, Array, Array]:
     start = joint_pos[BONE_START]
     along = joint_pos[BONE_END] - start
     length = np.linalg.norm(along, axis=-1)
-    z = spatial.normalize(along)
+    z = geometry.normalize(along)
     z[length < 1e-9] = (0.0, 0.0, 1.0)
     across = joint_pos[INDEX["l_hip"]] - joint_pos[INDEX["r_hip"]]
     upper = joint_pos[INDEX["l_shoulder"]] - joint_pos[INDEX["r_shoulder"]]
@@ -125,7 +125,7 @@ def bone_transforms(joint_pos: Array) -> tuple[Array, Array, Array]:
     thin = np.linalg.norm(x, axis=-1) < 0.3 * np.linalg.norm(hint, axis=-1) + 1e-9
     other = np.eye(3)[np.argmin(np.abs(z), axis=-1)]
     x[thin] = (other - (other * z).sum(-1, keepdims=True) * z)[thin]
-    x = spatial.normalize(x)
+    x = geometry.normalize(x)
     rotation = np.stack([x, np.cross(z, x), z], axis=-1)
     scale = np.column_stack([BONE_RADII, length])
-    return start, spatial.quat_from_matrix(rotation), scale
+    return start, geometry.quat_from_matrix(rotation), scale

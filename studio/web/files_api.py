@@ -10,7 +10,7 @@ from fastapi import APIRouter, Request
 
 from studio.errors import StudioError
 from studio.live.commands import SetSource
-from studio.mocap import open_source
+from studio.sources import open_source
 from studio.web.hub import Hub, refused
 
 MAX_FILE = 64 * 1024 * 1024

@@ -6,7 +6,7 @@ The camera stays and the scene moves, so that every page may hold its camera as 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.human.pose import HumanPose
 from studio.human.skeleton import INDEX
 
@@ -81,10 +81,10 @@ class HumanPlace:
         """
         joints = pose.joint_pos_w
         left = joints[INDEX["l_hip"]] - joints[INDEX["r_hip"]]
-        facing = spatial.normalize(np.array([left[1], -left[0]]))
+        facing = geometry.normalize(np.array([left[1], -left[0]]))
         if self._facing is None or facing @ self._facing < -0.5:
             self._facing = facing
-        self._facing = spatial.normalize(
+        self._facing = geometry.normalize(
             self._facing + (1.0 - np.exp(-dt / 3.0)) * (facing - self._facing)
         )
         lowest = float(joints[:, 2].min())

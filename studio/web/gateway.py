@@ -13,7 +13,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 import studio
-from studio.carried import carried
+from studio.paths import carried
 from studio.web.access import AccessMiddleware
 from studio.web.collect_api import collect_router
 from studio.web.commands_api import commands_router

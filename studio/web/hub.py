@@ -11,7 +11,7 @@ from typing import Any
 from fastapi import HTTPException, Request
 from fastapi.exceptions import RequestValidationError
 
-from studio.imitation.controllers import CONTROLLERS
+from studio.control.trackers import CONTROLLERS
 from studio.live.commands import Command, Result, Stop
 from studio.live.loop import LiveLoop
 from studio.reference.library import TASKS

@@ -14,10 +14,10 @@ from starlette.datastructures import FormData, UploadFile
 
 from studio.errors import StudioError
 from studio.mocap.imports import SUFFIXES, import_take
-from studio.recording import adding
-from studio.recording.archive import FILES
-from studio.recording.names import fit_name
-from studio.recording.recorder import TAPE
+from studio.takes.export import adding
+from studio.takes.export.archive import FILES
+from studio.takes.names import fit_name
+from studio.takes.record.recorder import TAPE
 from studio.web.hub import Hub, refused
 
 MAX_BODY = 2 * 2**30

@@ -10,8 +10,9 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from studio.errors import StudioError
 from studio.live.commands import ShowTake
-from studio.recording import edited, review, synchrony, windows
-from studio.recording.library import SessionLibrary
+from studio.takes.align import synchrony
+from studio.takes.edit import edited, review, windows
+from studio.takes.library import SessionLibrary
 from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 

@@ -8,13 +8,13 @@ import numpy as np
 import viser
 from numpy.typing import NDArray
 
+from studio.geometry import quat_rotate
 from studio.human.pose import HumanPose
-from studio.recording.tick import Tick
 from studio.robot import a1
 from studio.robot.kinematics import foot_pos_w, link_frames_w
 from studio.robot.pose import RobotPose
 from studio.sim import visual
-from studio.spatial import quat_rotate
+from studio.takes.tick import Tick
 from studio.web import figures
 from studio.web.batch import HIDDEN, Batch
 from studio.web.follow import (

@@ -15,11 +15,11 @@ from pathlib import Path
 
 import uvicorn
 
+from studio.control.command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.live.loop import LiveLoop
 from studio.live.opened import SessionConfig
 from studio.options import ServeConfig
-from studio.orders import PuppeteerConfig
 from studio.web.access import AccessConfig, page_url
 from studio.web.desk import ControlDesk
 from studio.web.feed import TickFeed

@@ -14,8 +14,8 @@ from starlette.background import BackgroundTask
 
 from studio.errors import StudioError
 from studio.live.commands import StartTake, StopTake
-from studio.recording.exports import export_file as export_take
-from studio.recording.library import SessionLibrary
+from studio.takes.export.formats import export_file as export_take
+from studio.takes.library import SessionLibrary
 from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 from studio.web.import_api import import_router

@@ -11,10 +11,10 @@ from pydantic import BaseModel, ConfigDict, Field
 from studio.errors import StudioError
 from studio.live.commands import SetMapper
 from studio.live.mappers import list_mappers, mapper_folder
-from studio.recording import datasets
-from studio.recording.library import SessionLibrary
 from studio.reference.intent import STATES
 from studio.retarget.store import STYLES
+from studio.takes.dataset import datasets
+from studio.takes.library import SessionLibrary
 from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 from studio.web.train_jobs import TrainJobs

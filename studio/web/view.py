@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from studio.live.mailbox import Latest
-from studio.recording.tick import Tick
+from studio.takes.tick import Tick
 
 log = logging.getLogger(__name__)
 VIEW_DT = 1.0 / 30.0

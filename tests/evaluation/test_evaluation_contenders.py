@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studio.control.policy import MODELS, Policy, save_policy
 from studio.evaluation.ablation import CONSISTENCY, run_ablation
 from studio.evaluation.contenders import contender, trained
 from studio.evaluation.kicks import run_kicks
 from studio.evaluation.transitions import crossings_from, in_charge, run_transitions
-from studio.imitation.bank import build_bank
-from studio.imitation.env_config import EnvConfig
-from studio.imitation.policy import MODELS, Policy, save_policy
 from studio.reference.intent import STATES
+from studio.rl.bank import build_bank
+from studio.rl.env_config import EnvConfig
 from studio.training.distil import DistilConfig
 from studio.training.policy_settings import PolicyTraining, Recipe, make_environment
 from studio.training.policy_trainer import PolicyTrainer

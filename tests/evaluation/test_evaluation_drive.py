@@ -10,11 +10,11 @@ from studio.errors import StudioError
 from studio.evaluation.drive import DriveConfig, run_drive
 from studio.evaluation.drive_report import DriveReport, tilt_against_feet
 from studio.live.safety import stale_orders
-from studio.mocap.operator import OperatorSource
-from studio.recording.export.bvh import write_bvh
-from studio.recording.take import read_take
 from studio.reference.stances import NEUTRAL, tilted
 from studio.robot import a1, kinematics
+from studio.synthetic.operator import OperatorSource
+from studio.takes.export.bvh import write_bvh
+from studio.takes.take import read_take
 
 KEYS = {
     "frames", "seconds", "survived", "survival_ratio", "state_seconds", "expert_share",
@@ -110,7 +110,7 @@ def test_a_recorded_drive_can_be_driven_again_from_its_take(tmp_path):
 
 
 def test_a_fall_ends_the_drive_and_is_no_error(monkeypatch):
-    from studio.imitation.controllers.pd_playback import PdPlayback
+    from studio.control.trackers.pd_playback import PdPlayback
 
     collapse = np.tile([0.0, 2.5, -2.6], 4)
     monkeypatch.setattr(PdPlayback, "act", lambda self, *_: collapse)

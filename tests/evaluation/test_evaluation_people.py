@@ -15,9 +15,9 @@ from studio.evaluation.people import (
     frame_labels,
     run_people,
 )
-from studio.mocap.performer import Person, perform
-from studio.recording.export.bvh import write_bvh
 from studio.reference.library import TASKS
+from studio.synthetic import Person, perform
+from studio.takes.export.bvh import write_bvh
 
 
 @pytest.fixture(scope="module")

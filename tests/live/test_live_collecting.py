@@ -15,10 +15,10 @@ from studio.live.loop import LiveLoop
 from studio.live.opened import SessionConfig
 from studio.live.session import Session
 from studio.live.shown import PlanItem
-from studio.recording import lag
-from studio.recording.library import SessionLibrary
-from studio.recording.sessions import SessionBook
-from studio.recording.tape import TapeWriter
+from studio.takes.align import lag
+from studio.takes.library import SessionLibrary
+from studio.takes.record.tape import TapeWriter
+from studio.takes.sessions import SessionBook
 
 DT = 1.0 / 30.0
 

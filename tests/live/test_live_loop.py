@@ -14,11 +14,11 @@ from studio.live.clock import FakeClock, WallClock
 from studio.live.loop import LiveLoop
 from studio.live.opened import OpenedSource, SessionConfig, open_for
 from studio.live.session import Session
-from studio.mocap import SourceEnded
-from studio.mocap.operator import OperatorSource
-from studio.recording.take import read_take
-from studio.recording.tape import TapeWriter
 from studio.robot import a1
+from studio.sources import SourceEnded
+from studio.synthetic.operator import OperatorSource
+from studio.takes.record.tape import TapeWriter
+from studio.takes.take import read_take
 
 DT = 1.0 / 30.0
 

@@ -6,12 +6,12 @@ from make_ticks import make_ticks  # type: ignore[import-not-found]
 
 from studio.errors import StudioError
 from studio.live.playback import Playback
-from studio.recording.columns import columns
-from studio.recording.datamap import DataMap
-from studio.recording.edits import Edits
-from studio.recording.library import SessionLibrary
-from studio.recording.recorder import Recorder
-from studio.recording.viewed import Viewed
+from studio.takes.columns import columns
+from studio.takes.dataset.datamap import DataMap
+from studio.takes.edit.edits import Edits
+from studio.takes.edit.viewed import Viewed
+from studio.takes.library import SessionLibrary
+from studio.takes.record.recorder import Recorder
 
 DT = 1.0 / 30.0
 

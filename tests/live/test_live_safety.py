@@ -2,7 +2,7 @@
 
 import pytest
 
-from studio.imitation.controller import Directive
+from studio.control.controller import Directive
 from studio.live.safety import Safety, Situation, stale_directive, stale_orders
 
 

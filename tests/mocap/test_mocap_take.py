@@ -9,9 +9,9 @@ from make_ticks import make_ticks  # type: ignore[import-not-found]
 from studio.errors import StudioError
 from studio.mocap.source import Source, SourceEnded
 from studio.mocap.take import TakeSource
-from studio.recording.library import SessionLibrary
-from studio.recording.take import Recorder
 from studio.robot import a1
+from studio.takes.library import SessionLibrary
+from studio.takes.take import Recorder
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from studio import spatial
+from studio import geometry
 from studio.reference.consistency import (
     ContactConfig,
     ContactLock,
@@ -42,7 +42,7 @@ def test_locked_feet_stay_put_whatever_the_mapper_says(seed: int):
     anchors = lock.anchor_w.copy()
     for _ in range(10):
         noisy = a1.STAND_JOINT_POS + rng.normal(scale=0.05, size=12)
-        quat = spatial.quat_from_rpy(rng.normal(scale=0.1, size=3))
+        quat = geometry.quat_from_rpy(rng.normal(scale=0.1, size=3))
         joints = lock.step(noisy, quat, ALL, DT)
         feet = kinematics.foot_pos_w(lock.base_pos, quat, joints)
         np.testing.assert_allclose(feet, anchors, atol=1e-3)
@@ -110,10 +110,10 @@ def test_clip_bound_holds(seed: int, limit: float):
 
 
 def test_turning_is_limited_along_the_shortest_way():
-    asked = spatial.quat_from_rpy([0.5, 0.0, 0.0])
+    asked = geometry.quat_from_rpy([0.5, 0.0, 0.0])
     quat, clipped = limit_turn(asked, LEVEL, 3.0, DT)
     assert clipped
-    np.testing.assert_allclose(quat, spatial.quat_from_rpy([0.1, 0.0, 0.0]), atol=1e-9)
+    np.testing.assert_allclose(quat, geometry.quat_from_rpy([0.1, 0.0, 0.0]), atol=1e-9)
     assert not limit_turn(asked, asked, 3.0, DT)[1]
 
 

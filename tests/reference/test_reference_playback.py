@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.reference import stances
 from studio.reference.library import TASKS
 from studio.reference.marching import Bout, march_track
@@ -19,7 +19,7 @@ def play(world, motion):
         state = world.step(motion.joint_pos[i])
         ours = stances.tilt_of(motion.state, state.base_quat) * [1.0, 1.0, 0.0]
         theirs = stances.tilt_of(motion.state, motion.base_quat[i]) * [1.0, 1.0, 0.0]
-        angle = spatial.quat_angle(spatial.quat_from_rpy(ours), spatial.quat_from_rpy(theirs))
+        angle = geometry.quat_angle(geometry.quat_from_rpy(ours), geometry.quat_from_rpy(theirs))
         if state.trunk_contact or angle > np.radians(60.0):
             break
         base.append(state.base_pos)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.reference import stances
 from studio.reference.check import knee_pos_w
 from studio.robot import a1, kinematics
@@ -30,7 +30,7 @@ def test_sitting_calves_lie_flat_and_carry_the_centre_of_mass_between_knee_and_f
     knee = knee_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos)[2:]
     foot = stances.NEUTRAL_FEET["sit"][2:]
     np.testing.assert_allclose(knee[:, 2], foot[:, 2], atol=1e-3)
-    com = pose.base_pos + spatial.quat_rotate(
+    com = pose.base_pos + geometry.quat_rotate(
         pose.base_quat, kinematics.center_of_mass_b(pose.joint_pos)
     )
     assert knee[0, 0] + 0.04 < com[0] < foot[0, 0] - 0.10
@@ -45,8 +45,8 @@ def test_tilts_are_undone(state):
 
 
 def test_bending_forward_lowers_the_nose_and_leaning_right_the_right_side():
-    nose = spatial.quat_rotate(stances.tilted("sit", [0.0, 0.2, 0.0]), [1.0, 0.0, 0.0])
-    rest = spatial.quat_rotate(stances.NEUTRAL["sit"].base_quat, [1.0, 0.0, 0.0])
+    nose = geometry.quat_rotate(stances.tilted("sit", [0.0, 0.2, 0.0]), [1.0, 0.0, 0.0])
+    rest = geometry.quat_rotate(stances.NEUTRAL["sit"].base_quat, [1.0, 0.0, 0.0])
     assert nose[2] < rest[2] - 0.05
-    right = spatial.quat_rotate(stances.tilted("stand", [0.2, 0.0, 0.0]), [0.0, -1.0, 0.0])
+    right = geometry.quat_rotate(stances.tilted("stand", [0.2, 0.0, 0.0]), [0.0, -1.0, 0.0])
     assert right[2] == pytest.approx(-np.sin(0.2))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.reference import stances, standing
 from studio.robot import kinematics
 
@@ -63,7 +63,7 @@ def test_a_full_raise_brings_the_paw_high_and_the_weight_over_the_other_feet(paw
     assert feet[paw, 2] > 0.35
     others = [leg for leg in range(4) if leg != paw]
     np.testing.assert_allclose(feet[others], stances.NEUTRAL_FEET["stand"][others], atol=5e-4)
-    com = base + spatial.quat_rotate(quat, kinematics.center_of_mass_b(joints))
+    com = base + geometry.quat_rotate(quat, kinematics.center_of_mass_b(joints))
     # The long side of the triangle is the diagonal through the origin and the other front foot.
     front = feet[1 - paw, :2]
     normal = np.array([-front[1], front[0]]) / np.linalg.norm(front)

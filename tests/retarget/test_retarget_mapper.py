@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from studio import spatial
+from studio import geometry
 from studio.errors import StudioError
 from studio.retarget.mapper import RATES, Mapper
 from studio.robot import a1
@@ -16,7 +16,7 @@ WIDTH = 3 * 20
 @pytest.fixture
 def net() -> MapperNet:
     rng = np.random.default_rng(0)
-    neutral = spatial.quat_from_rpy([0.1, -1.2, 0.0])
+    neutral = geometry.quat_from_rpy([0.1, -1.2, 0.0])
     net = MapperNet(
         rng.normal(size=WIDTH), rng.uniform(0.5, 2.0, WIDTH), rng.uniform(0.1, 9.0, 36), neutral
     )
@@ -59,7 +59,7 @@ def test_contact_does_not_see_acceleration(net: MapperNet):
 
 
 def test_an_untrained_network_means_the_neutral_trunk():
-    neutral = spatial.quat_from_rpy([0.0, -1.2, 0.0])
+    neutral = geometry.quat_from_rpy([0.0, -1.2, 0.0])
     net = MapperNet(np.zeros(WIDTH), np.ones(WIDTH), np.ones(36), neutral)
     mapped = Mapper.from_tensors(net.export())(np.zeros(WIDTH))
     np.testing.assert_allclose(mapped.base_quat, neutral, atol=1e-6)

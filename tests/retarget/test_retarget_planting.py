@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.reference.stances import NEUTRAL, tilted
+from studio.retarget.foothold_planner import TURN_MAX, Planting
 from studio.retarget.mapper import NUM_RATES, RATES, Mapped
-from studio.retarget.planting import TURN_MAX, Planting
 from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
 from studio.retarget.states import EXPERTS
 from studio.robot import a1, kinematics
@@ -51,7 +51,7 @@ def test_no_joint_is_faster_than_its_expert_allows_whatever_the_network_says(sta
         wild = resting(
             state,
             joint_pos=rng.uniform(a1.JOINT_LOWER, a1.JOINT_UPPER),
-            base_quat=spatial.normalize(rng.normal(size=4)),
+            base_quat=geometry.normalize(rng.normal(size=4)),
             contact_prob=rng.random(4),
         )
         pose, clipped = planting.step(wild, DT)
@@ -74,7 +74,7 @@ def test_a_tilt_leaves_the_standing_feet_where_they_are():
         pose, _ = planting.step(resting("stand", base_quat=quat), DT)
     feet = kinematics.foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos)
     np.testing.assert_allclose(feet, before, atol=1e-3)
-    assert np.degrees(spatial.quat_angle(pose.base_quat, quat)) < 0.1
+    assert np.degrees(geometry.quat_angle(pose.base_quat, quat)) < 0.1
 
 
 def test_only_walking_turns_and_slow_turns_are_nobodys_wish():
@@ -86,7 +86,7 @@ def test_only_walking_turns_and_slow_turns_are_nobodys_wish():
         air = np.zeros(4)  # nothing stands, so that nothing holds the heading back
         for _ in range(90):
             pose, _ = planting.step(resting(state, rates=rates, contact_prob=air), DT)
-        assert (spatial.heading(pose.base_quat) > 0.1) == turned
+        assert (geometry.heading(pose.base_quat) > 0.1) == turned
 
 
 def test_turning_is_never_faster_than_the_library_turns():
@@ -96,7 +96,7 @@ def test_turning_is_never_faster_than_the_library_turns():
     rates[RATES["base_ang_vel"]] = [0.0, 0.0, 3.0]
     for _ in range(90):
         pose, _ = planting.step(resting("walk", rates=rates, contact_prob=np.zeros(4)), DT)
-    assert spatial.heading(pose.base_quat) <= 3.0 * TURN_MAX + 1e-6
+    assert geometry.heading(pose.base_quat) <= 3.0 * TURN_MAX + 1e-6
 
 
 def test_going_on_from_elsewhere_keeps_place_and_heading():
@@ -104,13 +104,13 @@ def test_going_on_from_elsewhere_keeps_place_and_heading():
     there = replace(
         NEUTRAL["stand"],
         base_pos=np.array([1.0, -2.0, a1.STAND_HEIGHT]),
-        base_quat=spatial.quat_from_rpy([0.0, 0.0, 0.7]),
+        base_quat=geometry.quat_from_rpy([0.0, 0.0, 0.7]),
     )
     planting.continue_from(there, 0.7)
     for _ in range(30):
         pose, clipped = planting.step(resting("stand"), DT)
     np.testing.assert_allclose(pose.base_pos, there.base_pos, atol=1e-3)
-    np.testing.assert_allclose(spatial.heading(pose.base_quat), 0.7, atol=1e-6)
+    np.testing.assert_allclose(geometry.heading(pose.base_quat), 0.7, atol=1e-6)
     assert not clipped
 
 
@@ -119,9 +119,9 @@ def test_gain_scales_a_tilt_and_the_dead_zone_swallows_a_small_one():
     small, large = (tilted("sit", np.radians([0.0, deg, 0.0])) for deg in (2.0, 10.0))
     gained = shape_tilt(large, neutral, RetargetSettings(tilt_gain=1.5))
     # 10 degrees times 1.5; with a dead zone of 3 degrees 10 becomes 7 and 2 becomes nothing.
-    np.testing.assert_allclose(np.degrees(spatial.quat_angle(gained, neutral)), 15.0, atol=1e-6)
+    np.testing.assert_allclose(np.degrees(geometry.quat_angle(gained, neutral)), 15.0, atol=1e-6)
     quiet = RetargetSettings(dead_zone=np.radians(3.0))
-    angles = [spatial.quat_angle(shape_tilt(q, neutral, quiet), neutral) for q in (small, large)]
+    angles = [geometry.quat_angle(shape_tilt(q, neutral, quiet), neutral) for q in (small, large)]
     np.testing.assert_allclose(np.degrees(angles), [0.0, 7.0], atol=1e-6)
 
 

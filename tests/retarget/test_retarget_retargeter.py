@@ -6,13 +6,13 @@ import pytest
 from studio.errors import StudioError
 from studio.human.calibration import calibrate
 from studio.human.pose import HumanClip, HumanPose
-from studio.mocap.performer import Person, perform
 from studio.reference.library import TASKS
 from studio.reference.stances import NEUTRAL
 from studio.retarget.retargeter import Retargeted, Retargeter
 from studio.retarget.states import EXPERTS
 from studio.retarget.store import load_experts, read_sidecar, style_dir
 from studio.robot import a1, kinematics
+from studio.synthetic import Person, perform
 
 
 def acted(task: str, seconds: float = 6.0, seed: int = 3, difficulty: float = 0.8) -> HumanClip:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.human.features import NEUTRAL_Q
 from studio.human.skeleton import BONES
 from studio.reference import gait
@@ -31,7 +31,7 @@ def stepping(cadence, step, seconds, yaw=0.0):
     upper = [i for i, b in enumerate(BONES) if b.endswith(("shoulder", "elbow", "wrist"))]
     for i in upper:
         at = slice(3 * i, 3 * i + 3)
-        q[:, at] = spatial.quat_rotate(spatial.quat_from_rpy([0.0, 0.0, yaw]), q[:, at])
+        q[:, at] = geometry.quat_rotate(geometry.quat_from_rpy([0.0, 0.0, yaw]), q[:, at])
     return q
 
 

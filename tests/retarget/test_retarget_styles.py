@@ -3,18 +3,18 @@
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.errors import StudioError
 from studio.human.calibration import calibrate
 from studio.human.features import FEATURE_DIM, NEUTRAL_Q
-from studio.mocap.performer import Person, play
-from studio.mocap.performer import signals as sig
 from studio.reference import gait
 from studio.reference.marching import Bout, march_track
 from studio.retarget.retargeter import Retargeter
 from studio.retarget.states import EXPERTS
 from studio.retarget.store import STYLES, load_experts
 from studio.robot.a1 import CONTROL_DT, JOINT_LOWER, JOINT_UPPER
+from studio.synthetic import Person, play
+from studio.synthetic import signals as sig
 
 CADENCE, SECONDS, FROM = 1.5, 7.0, 120
 
@@ -32,7 +32,7 @@ def walked(style, acted, turn_deg=0.0, lift=0.7, seed=1):
     retargeter = Retargeter.load(style, calibrate([quiet[i] for i in range(0, 30, 5)]))
     said = [retargeter.step(clip[i]) for i in range(len(clip))][FROM:]
     place = np.array([r.reference.base_pos[:2] for r in said])
-    yaw = np.unwrap(spatial.heading(np.array([r.reference.base_quat for r in said])))
+    yaw = np.unwrap(geometry.heading(np.array([r.reference.base_quat for r in said])))
     step = np.diff(place, axis=0)
     span = CONTROL_DT * len(step)
     forward = np.sum(np.cos(yaw[1:]) * step[:, 0] + np.sin(yaw[1:]) * step[:, 1]) / span

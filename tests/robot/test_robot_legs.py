@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.robot import a1, kinematics
 
 
@@ -105,7 +105,7 @@ def test_mirroring_the_joints_mirrors_the_feet():
 
 def test_batches_and_single_poses_agree():
     joint_pos = random_joints(6, seed=7).reshape(2, 3, 12)
-    quat = spatial.normalize(np.random.default_rng(8).normal(size=(2, 3, 4)))
+    quat = geometry.normalize(np.random.default_rng(8).normal(size=(2, 3, 4)))
     pos = np.random.default_rng(9).normal(size=(2, 3, 3))
     foot = kinematics.foot_pos_w(pos, quat, joint_pos)
     link_pos, link_quat = kinematics.link_frames_w(pos, quat, joint_pos)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.robot import a1
 from studio.sim import randomize
 from studio.sim.batch import BatchConfig, BatchWorld, delayed_controls
@@ -76,9 +76,9 @@ def test_scale_zero_is_the_nominal_robot() -> None:
 
 def test_tilted_gravity_is_the_world_seen_from_the_slope() -> None:
     axis = np.array([[0.1, 0.0], [0.0, 0.14], [0.05, -0.08]])
-    rotation = spatial.quat_from_rotvec(np.concatenate([axis, np.zeros((3, 1))], axis=1))
+    rotation = geometry.quat_from_rotvec(np.concatenate([axis, np.zeros((3, 1))], axis=1))
     down = np.tile([0.0, 0.0, -9.81], (3, 1))
-    assert randomize.gravity(axis) == pytest.approx(spatial.quat_rotate_inverse(rotation, down))
+    assert randomize.gravity(axis) == pytest.approx(geometry.quat_rotate_inverse(rotation, down))
 
 
 def test_dynamics_reach_the_physics() -> None:
@@ -173,7 +173,7 @@ def test_a_slope_makes_the_imu_lean() -> None:
     world = make(1)
     drawn = randomize.draw(np.random.default_rng(0), 1, world.num_links)
     world.set_dynamics(np.arange(1), drawn)
-    rotvec = spatial.quat_to_rotvec(world.imu_quat[0])
+    rotvec = geometry.quat_to_rotvec(world.imu_quat[0])
     assert rotvec[:2] == pytest.approx(drawn.slope_axis[0])
 
 

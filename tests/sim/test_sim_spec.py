@@ -4,7 +4,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.robot import a1, kinematics
 from studio.robot.collision import CAPSULES, PAIRS, pair_distances
 from studio.sim.spec import ModelConfig, build_model, load_urdf
@@ -19,7 +19,7 @@ def random_state(model: mujoco.MjModel, seed: int) -> mujoco.MjData:
     rng = np.random.default_rng(seed)
     data = mujoco.MjData(model)
     data.qpos[:3] = rng.normal(size=3)
-    data.qpos[3:7] = spatial.normalize(rng.normal(size=4))
+    data.qpos[3:7] = geometry.normalize(rng.normal(size=4))
     data.qpos[7:] = rng.uniform(a1.JOINT_LOWER, a1.JOINT_UPPER)
     mujoco.mj_forward(model, data)
     return data
@@ -60,7 +60,7 @@ def test_closed_form_frames_feet_and_center_of_mass_are_the_model_s(model: mujoc
         pos, quat, joint_pos = data.qpos[:3], data.qpos[3:7], data.qpos[7:]
         link_pos, link_quat = kinematics.link_frames_w(pos, quat, joint_pos)
         np.testing.assert_allclose(link_pos, data.xpos[1:], atol=1e-9)
-        assert np.max(spatial.quat_angle(link_quat, data.xquat[1:])) < 1e-9
+        assert np.max(geometry.quat_angle(link_quat, data.xquat[1:])) < 1e-9
         foot = kinematics.foot_pos_w(pos, quat, joint_pos)
         np.testing.assert_allclose(foot, data.geom_xpos[feet], atol=1e-9)
         com_b = kinematics.center_of_mass_b(joint_pos)
@@ -70,7 +70,7 @@ def test_closed_form_frames_feet_and_center_of_mass_are_the_model_s(model: mujoc
 
 def test_closed_form_jacobian_is_the_model_s(model: mujoco.MjModel):
     data = random_state(model, 3)
-    rot = spatial.quat_to_matrix(data.qpos[3:7])
+    rot = geometry.quat_to_matrix(data.qpos[3:7])
     ours = kinematics.leg_jacobian(data.qpos[7:])
     for i, leg in enumerate(a1.LEGS):
         jacobian = np.zeros((3, model.nv))

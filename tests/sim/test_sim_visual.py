@@ -9,7 +9,7 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
-from studio import spatial
+from studio import geometry
 from studio.robot import a1
 from studio.robot.pose import RobotPose
 from studio.sim import visual
@@ -21,7 +21,7 @@ def pose(seed: int) -> RobotPose:
     rng = np.random.default_rng(seed)
     return RobotPose(
         base_pos=rng.normal(size=3),
-        base_quat=spatial.normalize(rng.normal(size=4)),
+        base_quat=geometry.normalize(rng.normal(size=4)),
         joint_pos=rng.uniform(a1.JOINT_LOWER, a1.JOINT_UPPER),
         foot_contact=np.ones(4),
     )
@@ -39,7 +39,7 @@ def test_link_poses_are_the_compiled_model_s():
         for name, (pos, quat) in poses.items():
             body = data.body(name)
             np.testing.assert_allclose(pos, body.xpos, atol=1e-9)
-            assert spatial.quat_angle(quat, body.xquat) < 1e-9
+            assert geometry.quat_angle(quat, body.xquat) < 1e-9
 
 
 def test_link_poses_are_quick():

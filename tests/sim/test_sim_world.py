@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.errors import StudioError
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1, kinematics
@@ -43,7 +43,7 @@ def test_sits_five_seconds_on_rear_legs_alone(world: World):
     start = world.reset(pose)
     states = run(world, pose.joint_pos, 5.0)
     last = states[-1]
-    assert spatial.quat_angle(last.base_quat, start.base_quat) < np.radians(10.0)
+    assert geometry.quat_angle(last.base_quat, start.base_quat) < np.radians(10.0)
     assert not any(s.trunk_contact for s in states)
     assert last.foot_contact.tolist() == [0.0, 0.0, 1.0, 1.0]
     assert np.linalg.norm(last.base_lin_vel_w) < 0.01
@@ -84,7 +84,7 @@ def test_a_push_adds_its_velocity_and_is_survived(world: World):
     world.push(np.array([0.0, 0.5, 0.0]))
     np.testing.assert_allclose(world.data.qvel[:3] - before, [0.0, 0.5, 0.0])
     state = run(world, a1.STAND_JOINT_POS, 3.0)[-1]
-    assert spatial.quat_to_rpy(state.base_quat)[:2] == pytest.approx([0.0, 0.0], abs=0.1)
+    assert geometry.quat_to_rpy(state.base_quat)[:2] == pytest.approx([0.0, 0.0], abs=0.1)
 
 
 def test_damping_mode_lets_the_robot_sink_softly_and_ends_with_a_reset(world: World):
@@ -103,7 +103,7 @@ def test_reset_places_the_lowest_point_of_any_pose_on_the_floor(world: World):
     for _ in range(20):
         pose = RobotPose(
             base_pos=rng.normal(size=3),
-            base_quat=spatial.normalize(rng.normal(size=4)),
+            base_quat=geometry.normalize(rng.normal(size=4)),
             joint_pos=rng.uniform(a1.JOINT_LOWER, a1.JOINT_UPPER),
             foot_contact=np.ones(4),
         )
@@ -111,7 +111,7 @@ def test_reset_places_the_lowest_point_of_any_pose_on_the_floor(world: World):
         low = lowest_point(state.base_pos, state.base_quat, state.joint_pos)
         assert low == pytest.approx(0.0, abs=1e-9)
         np.testing.assert_allclose(state.base_pos[:2], pose.base_pos[:2])
-        assert spatial.quat_angle(state.base_quat, pose.base_quat) < 1e-9
+        assert geometry.quat_angle(state.base_quat, pose.base_quat) < 1e-9
 
 
 def test_state_agrees_with_closed_form_kinematics_and_the_imu(world: World):
@@ -129,7 +129,7 @@ def test_state_agrees_with_closed_form_kinematics_and_the_imu(world: World):
 def test_a_trunk_on_its_back_and_crossed_legs_are_told(world: World):
     upside_down = RobotPose(
         base_pos=np.zeros(3),
-        base_quat=spatial.quat_from_rpy([np.pi, 0.0, 0.0]),
+        base_quat=geometry.quat_from_rpy([np.pi, 0.0, 0.0]),
         joint_pos=a1.STAND_JOINT_POS,
         foot_contact=np.zeros(4),
     )

@@ -10,10 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.imitation.bank import build_bank
-from studio.imitation.curriculum import Curriculum, stages
-from studio.imitation.env import ImitationEnv
-from studio.imitation.env_config import EnvConfig
+from studio.rl.bank import build_bank
+from studio.rl.curriculum import Curriculum, stages
+from studio.rl.env import ImitationEnv
+from studio.rl.env_config import EnvConfig
 from studio.training.parallel import SEED_STEP, join, leave
 from studio.training.policy_settings import PolicyTraining
 from studio.training.policy_trainer import PolicyTrainer

@@ -6,10 +6,10 @@ import pytest
 import torch
 
 from studio.errors import StudioError
-from studio.imitation.bank import MotionBank, build_bank
-from studio.imitation.curriculum import Curriculum, Stage
-from studio.imitation.env import ImitationEnv
-from studio.imitation.env_config import EnvConfig
+from studio.rl.bank import MotionBank, build_bank
+from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.env import ImitationEnv
+from studio.rl.env_config import EnvConfig
 from studio.training.device import check_device, devices
 from studio.training.policy_settings import PolicyTraining
 from studio.training.policy_trainer import PolicyTrainer

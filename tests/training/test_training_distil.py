@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from studio import spatial
-from studio.imitation.bank import MotionBank, build_bank
-from studio.imitation.curriculum import Curriculum, Stage
-from studio.imitation.env import ImitationEnv
-from studio.imitation.env_config import EnvConfig
-from studio.imitation.teacher import TeacherConfig, load_torque, teacher_action
+from studio import geometry
+from studio.rl.bank import MotionBank, build_bank
+from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.env import ImitationEnv
+from studio.rl.env_config import EnvConfig
+from studio.rl.teacher import TeacherConfig, load_torque, teacher_action
 from studio.robot import a1, kinematics
 from studio.training.distil import DistilConfig, Distiller
 from studio.training.policy_settings import PolicyTraining
@@ -29,7 +29,7 @@ def environment(bank: MotionBank, n: int, randomisation: float = 1.0) -> Imitati
 def test_load_torques_do_the_work_of_lifting_the_trunk() -> None:
     """Virtual work: a small turn of the joints lifts the feet against their share of the weight."""
     q = a1.STAND_JOINT_POS[None] + 0.1 * np.random.default_rng(0).standard_normal((1, 12))
-    quat = spatial.quat_from_rpy([0.2, -0.1, 0.5])[None]
+    quat = geometry.quat_from_rpy([0.2, -0.1, 0.5])[None]
     contact = np.array([[1.0, 0.0, 1.0, 1.0]])
     torque = load_torque(q, quat, contact)
     step = 1e-6 * np.random.default_rng(1).standard_normal((1, 12))

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from studio.control.action import ActionConfig
+from studio.control.observation import ObservationConfig
+from studio.control.policy import Policy, manifest_of, save_policy
 from studio.errors import StudioError
-from studio.imitation.action import ActionConfig
-from studio.imitation.observation import ObservationConfig
-from studio.imitation.policy import Policy, manifest_of, save_policy
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotState

@@ -8,10 +8,10 @@ import torch
 from rsl_rl.algorithms import PPO
 from rsl_rl.modules import EmpiricalNormalization
 
-from studio.imitation.bank import MotionBank, build_bank
-from studio.imitation.curriculum import Curriculum, Stage
-from studio.imitation.env import ImitationEnv
-from studio.imitation.env_config import EnvConfig
+from studio.rl.bank import MotionBank, build_bank
+from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.env import ImitationEnv
+from studio.rl.env_config import EnvConfig
 from studio.training.device import threads
 from studio.training.layers import Layers
 from studio.training.learner import Learner, follow, surrogate, value_loss

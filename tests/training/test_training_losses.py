@@ -3,7 +3,7 @@
 import numpy as np
 import torch
 
-from studio import spatial
+from studio import geometry
 from studio.robot import a1, kinematics
 from studio.training.losses import LossWeights, Motion, foot_motion, leg_motion, mapper_loss
 
@@ -69,17 +69,17 @@ def test_leg_motion_agrees_with_the_kinematics_and_its_finite_differences():
 def test_foot_motion_in_the_world_agrees_with_finite_differences_of_a_tumbling_robot():
     rng = np.random.default_rng(4)
     n, h = 20, 1e-4
-    quat = spatial.normalize(rng.normal(size=(n, 4)))
+    quat = geometry.normalize(rng.normal(size=(n, 4)))
     w, dw, v, a = rng.normal(size=(4, n, 3))
     q = rng.uniform(a1.JOINT_LOWER, a1.JOINT_UPPER, (n, 12))
     dq, ddq = rng.normal(size=(2, n, 12))
 
     def feet(t: float) -> np.ndarray:
         # Body angular velocity w + dw t: to second order the turn is exp(w t + dw t^2 / 2).
-        turn = spatial.quat_from_rotvec(w * t + 0.5 * dw * t * t)
+        turn = geometry.quat_from_rotvec(w * t + 0.5 * dw * t * t)
         base = v * t + 0.5 * a * t * t
         joints = q + dq * t + 0.5 * ddq * t * t
-        return kinematics.foot_pos_w(base, spatial.quat_mul(quat, turn), joints)
+        return kinematics.foot_pos_w(base, geometry.quat_mul(quat, turn), joints)
 
     fields = dict(quat=quat, joint_pos=q, joint_vel=dq, joint_acc=ddq, ang_vel=w, ang_acc=dw)
     tensors = {k: torch.tensor(x) for k, x in {**fields, "lin_vel": v, "lin_acc": a}.items()}

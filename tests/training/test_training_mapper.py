@@ -6,12 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.human.canonical import MIRROR_JOINTS
 from studio.human.features import FEATURE_DIM, clip_features
 from studio.human.pose import HumanClip
-from studio.mocap.performer import Person, perform, play
-from studio.mocap.performer import signals as sig
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
 from studio.reference.stances import tilt_of
@@ -20,6 +18,8 @@ from studio.retarget.baselines.ridge import Ridge
 from studio.retarget.mapper import RATES, Mapper
 from studio.retarget.retargeter import Retargeter
 from studio.retarget.states import EXPERTS
+from studio.synthetic import Person, perform, play
+from studio.synthetic import signals as sig
 from studio.training import checkpoint
 from studio.training.mapper import make_pairs, run_train_mapper
 from studio.training.mapper_fit import MapperTraining, fit_expert, new_net, score
@@ -47,7 +47,7 @@ def test_pairs_line_up_with_what_is_meant_whoever_is_slow():
         pairs = pair_up(track, realize(track), person(reaction_delay=delay), rng)
         joints = pairs.triplet[:, :FEATURE_DIM]
         chest_x = joints[:, 3]  # bones are spine, chest …: x of the chest before the pelvis
-        pitch = tilt_of("stand", spatial.normalize(pairs.base_quat))[:, 1]
+        pitch = tilt_of("stand", geometry.normalize(pairs.base_quat))[:, 1]
         lags = range(-8, 9)
         fit = [np.corrcoef(np.roll(chest_x, -lag)[10:-10], pitch[10:-10])[0, 1] for lag in lags]
         # The causal filter's own lag, two to four frames, is left for the mapper to learn.
@@ -84,7 +84,7 @@ def test_labels_of_a_steady_walk_have_its_speed_and_no_heading():
     n, dt = 30, 1.0 / 30.0
     pos = np.zeros((n, 3))
     pos[:, 1] = 0.3 * dt * np.arange(n)
-    quat = np.tile(spatial.quat_from_rpy([0.0, 0.0, np.pi / 2]), (n, 1))
+    quat = np.tile(geometry.quat_from_rpy([0.0, 0.0, np.pi / 2]), (n, 1))
     out = label_motion("walk", pos, quat, np.zeros((n, 12)), dt)
     velocity = out["rates"][6:, RATES["base_lin_vel"]]
     np.testing.assert_allclose(velocity, np.tile([0.3, 0.0, 0.0], (n - 6, 1)), atol=1e-9)

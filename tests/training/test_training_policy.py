@@ -9,12 +9,12 @@ import pytest
 import torch
 from tensordict import TensorDict
 
+from studio.control.policy import Policy, save_policy
 from studio.errors import StudioError
-from studio.imitation.bank import MotionBank, build_bank
-from studio.imitation.curriculum import Curriculum, Stage
-from studio.imitation.env import ImitationEnv
-from studio.imitation.env_config import EnvConfig
-from studio.imitation.policy import Policy, save_policy
+from studio.rl.bank import MotionBank, build_bank
+from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.env import ImitationEnv
+from studio.rl.env_config import EnvConfig
 from studio.training import checkpoint
 from studio.training.policy import run_train_policy
 from studio.training.policy_settings import PolicyTraining, Recipe

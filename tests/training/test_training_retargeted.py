@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from studio.imitation.bank import MotionBank, build_bank
 from studio.reference.sitting import TILT_LIMIT
+from studio.rl.bank import MotionBank, build_bank
 from studio.training import retargeted
 from studio.training.retargeted import ACTED, TASK, acted_bank, with_people
 

@@ -8,8 +8,8 @@ import pytest
 import torch
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
+from studio.control.policy import Policy
 from studio.errors import StudioError
-from studio.imitation.policy import Policy
 from studio.training import checkpoint
 from studio.training.device import threads
 from studio.training.learner import Learner

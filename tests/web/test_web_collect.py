@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from acted_takes import acted_take, record
 
-from studio.recording.adding import add_take
-from studio.recording.edits import read_edits
+from studio.takes.edit.edits import read_edits
+from studio.takes.export.adding import add_take
 
 QUICK = {"task": "tilt", "takes": 1, "seconds": 2.0}
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from test_web_page import FLAGS, RENDERED, Served, closest, errors
 
-from studio.mocap.follower import FollowingOperator
+from studio.synthetic.follower import FollowingOperator
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 

@@ -9,10 +9,10 @@ import pytest
 
 from studio.errors import StudioError
 from studio.human.skeleton import NUM_JOINTS
-from studio.mocap.operator import OperatorSource
 from studio.options import ServeConfig
-from studio.recording.tick import Tick
 from studio.robot.pose import RobotState
+from studio.synthetic.operator import OperatorSource
+from studio.takes.tick import Tick
 from studio.web.serve import bind, checked_token, serve
 
 TOKEN = "test-token-0123456789"

@@ -12,7 +12,7 @@ from acted_takes import acted_take, record
 from test_web_collect_page import click, until
 from test_web_page import FLAGS, Served
 
-from studio.recording.export.bvh import write_bvh
+from studio.takes.export.bvh import write_bvh
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(600)]
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from test_web_page import Served
 
-from studio.recording.library import SessionLibrary
+from studio.takes.library import SessionLibrary
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 

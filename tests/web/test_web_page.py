@@ -15,11 +15,11 @@ import httpx
 import numpy as np
 import pytest
 
-from studio import spatial
-from studio.mocap.operator import OperatorSource
-from studio.recording.export.bvh import write_bvh
+from studio import geometry
 from studio.robot import a1
 from studio.robot.kinematics import link_frames_w
+from studio.synthetic.operator import OperatorSource
+from studio.takes.export.bvh import write_bvh
 from studio.web.follow import HUMAN_SCALE
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(600)]
@@ -183,7 +183,7 @@ def parts(matrices) -> tuple[np.ndarray, np.ndarray]:
     """Positions (n, 3) and wxyz (n, 4) of column-major matrices (n, 16), scale taken out."""
     m = np.array(matrices).reshape(-1, 4, 4).transpose(0, 2, 1)
     turn = m[:, :3, :3] / np.linalg.norm(m[:, :3, :3], axis=1, keepdims=True)
-    return m[:, :3, 3], spatial.quat_from_matrix(turn)
+    return m[:, :3, 3], geometry.quat_from_matrix(turn)
 
 
 def robot_error(rendered, name, pose) -> float:
@@ -201,7 +201,7 @@ def robot_error(rendered, name, pose) -> float:
     assert shift[2] == pytest.approx(0.0, abs=0.2)
     shift[2] = 0.0
     distance = np.linalg.norm(drawn_pos - pos - shift, axis=-1).max()
-    return max(float(distance), float(spatial.quat_angle(drawn_quat, quat).max()))
+    return max(float(distance), float(geometry.quat_angle(drawn_quat, quat).max()))
 
 
 def iter_links(rendered, name) -> dict[str, tuple[np.ndarray, np.ndarray]]:
@@ -232,7 +232,7 @@ def human_error(rendered, human) -> float:
     joints = HUMAN_SCALE * np.array(human["positions"])
     a, b = joints - joints.mean(0), drawn - drawn.mean(0)
     yaw = np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a[:, :2] * b[:, :2]).sum())
-    turned = spatial.quat_rotate(np.array([np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)]), a)
+    turned = geometry.quat_rotate(np.array([np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)]), a)
     return float(np.linalg.norm(turned - b, axis=-1).max())
 
 

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from studio import spatial
+from studio import geometry
 from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.human.skeleton import INDEX, NUM_JOINTS, PARENTS
 from studio.live.commands import ReleaseControl, TakeControl
-from studio.mocap.operator import OperatorSource
+from studio.synthetic.operator import OperatorSource
 from studio.web import figures
 from studio.web.desk import ControlDesk
 from studio.web.follow import HUMAN_COLUMN, HUMAN_SCALE, SOLE, Above, Follow, HumanPlace
@@ -39,7 +39,7 @@ def test_shapes_are_closed_and_face_outwards(mesh):
 def test_each_bone_runs_from_its_parent_to_its_joint(person):
     joints = person.joint_pos_w
     start, wxyz, scale = figures.bone_transforms(joints)
-    tip = start + spatial.quat_rotate(wxyz, np.array([0.0, 0.0, 1.0])) * scale[:, 2:]
+    tip = start + geometry.quat_rotate(wxyz, np.array([0.0, 0.0, 1.0])) * scale[:, 2:]
     for bone, joint in enumerate(figures.BONES):
         np.testing.assert_allclose(start[bone], joints[PARENTS[joint]], atol=1e-9)
         np.testing.assert_allclose(tip[bone], joints[joint], atol=1e-9)
@@ -48,8 +48,8 @@ def test_each_bone_runs_from_its_parent_to_its_joint(person):
 def test_the_trunk_is_broad_across_the_hips(person):
     _, wxyz, _ = figures.bone_transforms(person.joint_pos_w)
     across = person.joint_pos_w[INDEX["l_hip"]] - person.joint_pos_w[INDEX["r_hip"]]
-    x = spatial.quat_rotate(wxyz[0], np.array([1.0, 0.0, 0.0]))
-    assert abs(x @ spatial.normalize(across)) > 0.95
+    x = geometry.quat_rotate(wxyz[0], np.array([1.0, 0.0, 0.0]))
+    assert abs(x @ geometry.normalize(across)) > 0.95
 
 
 def test_bones_of_no_length_are_still_drawn():
@@ -60,7 +60,7 @@ def test_bones_of_no_length_are_still_drawn():
 
 @pytest.mark.parametrize("yaw", [0.0, 1.0, 3.0, -2.0])
 def test_the_person_is_placed_rigidly_facing_forward_on_the_floor(person, yaw):
-    turned = spatial.quat_rotate(
+    turned = geometry.quat_rotate(
         np.array([np.cos(yaw / 2), 0.0, 0.0, np.sin(yaw / 2)]), person.joint_pos_w
     ) + np.array([4.0, -7.0, 0.9])
     pose = HumanPose(t=0.0, joint_pos_w=turned, confidence=np.ones(NUM_JOINTS))

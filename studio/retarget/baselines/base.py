@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import spatial
+from studio import geometry
 from studio.retarget.mapper import NUM_RATES, Mapped
 from studio.robot import a1
 
@@ -39,7 +39,7 @@ def unstack(rows: Array) -> Mapped:
     """Rows (N, 56) as a Mapped: joints held to their limits, quaternions made unit."""
     return Mapped(
         joint_pos=np.clip(rows[:, :12], a1.JOINT_LOWER, a1.JOINT_UPPER),
-        base_quat=spatial.normalize(rows[:, 12:16]),
+        base_quat=geometry.normalize(rows[:, 12:16]),
         rates=rows[:, 16 : 16 + NUM_RATES],
         contact_prob=np.clip(rows[:, 16 + NUM_RATES :], 0.0, 1.0),
     )

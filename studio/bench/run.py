@@ -1,0 +1,141 @@
+"""This machine's figures: the control period by section, the drive, the live loop, the page."""
+
+import json
+import logging
+import os
+import platform
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studio.control.command import PuppeteerConfig
+from studio.errors import StudioError
+from studio.evaluation.drive import drive
+from studio.human.calibration import calibrate
+from studio.puppeteer import Puppeteer
+from studio.robot.a1 import CONTROL_DT
+from studio.sources import open_source
+from studio.training.machine import machine as processor
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchConfig:
+    """compare: an earlier result. seconds: length of each part. page: start a server as well.
+
+    browser: and a Chromium that draws the page beside it. training: measure physics, environment
+    and PPO as environments grow.
+    """
+
+    compare: Path | None = None
+    seconds: float = 20.0
+    page: bool = True
+    browser: bool = True
+    training: bool = True
+    takes: bool = True
+
+
+def run_bench(config: BenchConfig) -> dict[str, Any]:
+    """{machine, sections_ms, drive, live, loop_beside_browser, training}.
+
+    With `compare`, each figure beside the earlier one, too.
+    """
+    earlier = _read(config.compare) if config.compare is not None else None
+    result: dict[str, Any] = {"machine": machine()}
+    result["sections_ms"], result["drive"] = control_period(config.seconds)
+    if config.page:
+        from studio.bench import live as bench_live
+
+        result["live"] = bench_live.live(config.seconds)
+        if config.browser:
+            result["loop_beside_browser"] = bench_live.loop_beside_browser(config.seconds)
+    if config.training:
+        from studio.bench.training import mapper_growth, training_rates
+
+        result["training"] = training_rates(min(config.seconds, 5.0))
+        result["mapper"] = mapper_growth()
+    if config.takes:
+        from studio.bench.takes import takes_cost
+
+        result["takes"] = takes_cost()
+    if earlier is not None:
+        result["compared"] = compare(result, earlier)
+    return result
+
+
+def machine() -> dict[str, Any]:
+    """What the figures were measured on."""
+    return {
+        **processor(),
+        "load_1min": round(os.getloadavg()[0], 2),
+        "python": platform.python_version(),
+        "system": platform.system(),
+    }
+
+
+def control_period(seconds: float) -> tuple[dict[str, dict[str, float]], dict[str, float]]:
+    """(percentiles, ms, per section; the drive's speed) over a tour of the operator on one core."""
+    source = open_source("operator")
+    puppeteer = Puppeteer(PuppeteerConfig(), calibrate(source.calibration_poses()))
+    for _ in drive(puppeteer, source, 2.0):
+        pass  # caches warm
+    source = open_source("operator")
+    puppeteer.reset()
+    wall, cpu = time.perf_counter(), time.process_time()
+    ticks = list(drive(puppeteer, source, seconds))
+    wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
+    sections = {
+        name: percentiles(np.array([t.timings_ms.get(name, 0.0) for t in ticks]))
+        for name in ticks[-1].timings_ms
+    }
+    simulated = len(ticks) * CONTROL_DT
+    speed = {
+        "seconds": simulated,
+        "times_real_time": simulated / wall,
+        "times_real_time_cpu": simulated / cpu,
+    }
+    return sections, speed
+
+
+def percentiles(values: np.ndarray) -> dict[str, float]:
+    """p50, p95, p99 and max."""
+    p50, p95, p99 = np.percentile(values, [50, 95, 99])
+    return {
+        "p50": float(p50),
+        "p95": float(p95),
+        "p99": float(p99),
+        "max": float(np.max(values)),
+    }
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return json.loads(path.read_text())
+    except (OSError, ValueError) as error:
+        raise StudioError(f"cannot compare with {path}: {error}") from error
+
+
+def compare(now: dict[str, Any], earlier: dict[str, Any]) -> dict[str, dict[str, float]]:
+    """Every figure both have: {path: {now, earlier, ratio}}."""
+    before, out = _flat(earlier), {}
+    for path, value in _flat(now).items():
+        if path in before and not path.startswith("machine"):
+            old = before[path]
+            out[path] = {"now": value, "earlier": old, "ratio": value / old if old else 0.0}
+    return out
+
+
+def _flat(value: Any, path: str = "") -> dict[str, float]:
+    if isinstance(value, bool) or value is None or isinstance(value, str):
+        return {}
+    if isinstance(value, int | float):
+        return {path: float(value)}
+    items = value.items() if isinstance(value, dict) else enumerate(value)
+    out: dict[str, float] = {}
+    for key, inner in items:
+        out.update(_flat(inner, f"{path}.{key}" if path else str(key)))
+    return out

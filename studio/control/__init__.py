@@ -1,0 +1,1 @@
+"""Reference to action, as it runs live: controller, transitions, trackers, policies."""

@@ -1,0 +1,59 @@
+"""What whoever drives asks of the puppeteer: how to drive, the sliders, orders for each period."""
+
+from dataclasses import dataclass
+
+from studio.control.controller import Directive
+from studio.errors import StudioError, unknown_name
+
+
+@dataclass(frozen=True, kw_only=True)
+class PuppeteerConfig:
+    """How to drive.
+
+    style: which human motion means walking. controller: a name of imitation.controllers, None for
+    the default. state: "auto" or the state to stay in. seed: of the world. mirror: as in a mirror.
+    tilt_gain: times the trunk's tilt. dead_zone: rad of tilt ignored. speed_cap: m/s.
+    """
+
+    style: str = "march"
+    controller: str | None = None
+    state: str = "auto"
+    seed: int = 0
+    mirror: bool = False
+    tilt_gain: float = 1.0
+    dead_zone: float = 0.0
+    speed_cap: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Orders:
+    """What whoever keeps watch asks for in this period: see `live.safety`.
+
+    directive: to the controller. damping: motors without stiffness. ramp: s over which following
+    eases in, None for the controller's own. mode, why: shown in the tick.
+    """
+
+    directive: Directive = Directive.FOLLOW
+    damping: bool = False
+    ramp: float | None = None
+    mode: str = "live"
+    why: str = ""
+
+
+FOLLOW = Orders()
+LIMITS: dict[str, tuple[float, float]] = {
+    "tilt_gain": (0.0, 2.0),
+    "dead_zone": (0.0, 0.5),
+    "speed_cap": (0.0, 1.5),
+}
+"""Ranges of the operator's sliders."""
+
+
+def checked_gain(name: str, value: float) -> float:
+    """A value within the range of a name of LIMITS. StudioError otherwise."""
+    if name not in LIMITS:
+        raise unknown_name("gain", name, LIMITS)
+    low, high = LIMITS[name]
+    if not low <= value <= high:
+        raise StudioError(f"{name} must be between {low} and {high}, not {value}")
+    return float(value)

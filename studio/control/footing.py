@@ -1,0 +1,115 @@
+"""Poses by where their feet are: which way they face, which stance fits over them, legs by IK."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import geometry
+from studio.reference import scalars
+from studio.reference.intent import STATES, StateName
+from studio.reference.stances import NEUTRAL
+from studio.robot import a1, kinematics
+from studio.robot.pose import ReferencePose, RobotPose
+
+Array = NDArray[np.float64]
+
+
+def feet_w(pose: RobotPose) -> Array:
+    """(4, 3) m, foot centres of a pose in its own world."""
+    return kinematics.foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos)
+
+
+NEUTRAL_FEET: dict[StateName, Array] = {state: feet_w(NEUTRAL[state]) for state in STATES}
+"""(4, 3) m each: the feet of the neutral poses at the origin."""
+
+
+def solve(base_pos: Array, base_quat: Array, feet: Array) -> RobotPose:
+    """The pose with the base where it is asked to be and the feet at (4, 3) m, world."""
+    feet_b = (feet - base_pos) @ scalars.matrix(base_quat.tolist())
+    return RobotPose(
+        base_pos=base_pos,
+        base_quat=base_quat,
+        joint_pos=kinematics.leg_ik(feet_b)[0],
+        foot_contact=np.ones(4),
+    )
+
+
+def turn_z(yaw: float) -> Array:
+    """(4,) the rotation by yaw rad about the world's z axis."""
+    return np.array(scalars.yaw(yaw))
+
+
+def fit_plane(a: Array, b: Array) -> tuple[Array, float]:
+    """The translation (2,) and turn that carry points a (N, 2) onto b best: b = R a + p."""
+    ca, cb = a.mean(axis=0), b.mean(axis=0)
+    da, db = a - ca, b - cb
+    yaw = math.atan2(np.sum(da[:, 0] * db[:, 1] - da[:, 1] * db[:, 0]), np.sum(da * db))
+    c, s = math.cos(yaw), math.sin(yaw)
+    return cb - np.array([c * ca[0] - s * ca[1], s * ca[0] + c * ca[1]]), yaw
+
+
+def placed(pose: RobotPose, position: Array, yaw: float) -> RobotPose:
+    """The pose turned by yaw about the world's z axis, then moved by position (2,)."""
+    (x, y, z), turn = pose.base_pos.tolist(), scalars.yaw(yaw)
+    c, s = math.cos(yaw), math.sin(yaw)
+    return replace(
+        pose,
+        base_pos=np.array([c * x - s * y + position[0], s * x + c * y + position[1], z]),
+        base_quat=np.array(scalars.mul(turn, pose.base_quat.tolist())),
+    )
+
+
+def over_feet(feet: Array, state: StateName) -> RobotPose:
+    """The neutral pose of `state` at the place and heading that feet (4, 3) m fit best."""
+    position, yaw = fit_plane(NEUTRAL_FEET[state][:, :2], feet[:, :2])
+    return placed(NEUTRAL[state], position, yaw)
+
+
+def facing(pose: RobotPose, state: StateName) -> float:
+    """The way (rad) the feet of a pose face, whatever the trunk on them does."""
+    feet = feet_w(pose)
+    if state == "sit":
+        return rear_yaw(feet)
+    legs = np.flatnonzero(pose.foot_contact > 0.5)
+    legs = legs if len(legs) > 2 else np.arange(4)
+    return fit_plane(NEUTRAL_FEET[state][legs, :2], feet[legs, :2])[1]
+
+
+def rear_yaw(feet: Array) -> float:
+    """Heading by the line of the rear feet of (4, 3): a sitting trunk is too steep to tell."""
+    across = feet[3] - feet[2]
+    return math.atan2(-across[0], across[1])
+
+
+def still(pose: RobotPose) -> RobotPose:
+    """A reference's pose without its velocities."""
+    return RobotPose(
+        base_pos=pose.base_pos,
+        base_quat=pose.base_quat,
+        joint_pos=pose.joint_pos,
+        foot_contact=pose.foot_contact,
+    )
+
+
+def between(held: RobotPose, target: RobotPose, w: float) -> RobotPose:
+    """From one pose (w=0) to another (w=1) by base and feet: feet planted in both stay planted."""
+    quat = geometry.quat_slerp(held.base_quat, target.base_quat, np.float64(w))
+    base_pos = (1.0 - w) * held.base_pos + w * target.base_pos
+    feet = (1.0 - w) * feet_w(held) + w * feet_w(target)
+    return replace(solve(base_pos, quat, feet), foot_contact=target.foot_contact)
+
+
+def with_velocity(pose: RobotPose, previous: RobotPose, dt: float = a1.CONTROL_DT) -> ReferencePose:
+    """The pose as a reference, its velocities by backward differences from `previous`."""
+    turned = scalars.mul(scalars.conj(previous.base_quat.tolist()), pose.base_quat.tolist())
+    return ReferencePose(
+        base_pos=pose.base_pos,
+        base_quat=pose.base_quat,
+        joint_pos=pose.joint_pos,
+        foot_contact=pose.foot_contact,
+        base_lin_vel_w=(pose.base_pos - previous.base_pos) / dt,
+        base_ang_vel_b=np.array(scalars.rotvec(turned)) / dt,
+        joint_vel=(pose.joint_pos - previous.joint_pos) / dt,
+    )

@@ -1,1 +1,0 @@
-"""Reference to action: controllers, policies, the environment they learn in."""

@@ -1,1 +1,0 @@
-"""The memory: ticks, takes as crash-safe tapes, the library of sessions."""

@@ -1,0 +1,119 @@
+"""What an expert says, frame by frame, becomes a planted motion: contact, then temporal."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import geometry
+from studio.reference import scalars
+from studio.reference.consistency import ContactConfig, ContactLock, limit_speed, limit_turn
+from studio.reference.intent import StateName
+from studio.reference.stances import NEUTRAL
+from studio.retarget.mapper import RATES, Mapped
+from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
+from studio.retarget.states import EXPERTS
+from studio.robot import a1
+from studio.robot.pose import ReferencePose, RobotPose
+
+Array = NDArray[np.float64]
+
+TURN_TAU = 0.8
+"""s, low-pass of the turning rate while walking: a march sways the trunk at every step."""
+TURN_DEAD_ZONE, TURN_MAX = math.radians(4.0), math.radians(15.0)
+"""rad/s: slower turns are nobody's wish (without this a real march, trunk a few degrees to the
+left, veered by 46 degrees in 9 s); the fastest is the library's."""
+
+
+AS_PLANNED = ContactConfig()
+"""For feet that are where they are planned to be."""
+
+
+class Planting:
+    """Remembers feet, root, heading and the last pose; `start` forgets. One thread."""
+
+    def __init__(self, settings: RetargetSettings | None = None) -> None:
+        self.settings = settings or RetargetSettings()
+        self.stride_gain = 1.0  # times the strides that a network says
+        self._lock = ContactLock()
+        self.start("stand")
+
+    def start(self, state: StateName) -> None:
+        """At rest in the neutral pose of `state`, at the origin."""
+        self.state: StateName = state
+        self.continue_from(NEUTRAL[state], 0.0)
+
+    def enter(self, state: StateName) -> None:
+        """Another state from here on: the motion moves there, it does not jump."""
+        if state == self.state:
+            return
+        if self.state != "sit":
+            # A sitting trunk is near vertical: there the frame itself is the heading.
+            self._yaw = float(geometry.heading(self.last.base_quat))
+        self.state, self._turn = state, 0.0
+
+    def continue_from(self, pose: RobotPose, yaw: float) -> None:
+        """Go on from `pose`, feet and all; yaw: rad, the way its feet face."""
+        self._yaw, self._turn = yaw, 0.0
+        self.last = ReferencePose(
+            base_pos=pose.base_pos,
+            base_quat=pose.base_quat,
+            joint_pos=pose.joint_pos,
+            foot_contact=pose.foot_contact,
+        )
+        self._lock.reset(pose.base_pos)
+        self._lock.step(pose.joint_pos, pose.base_quat, pose.foot_contact, a1.CONTROL_DT)
+
+    def step(self, mapped: Mapped, dt: float) -> tuple[ReferencePose, bool]:
+        """The planted pose, its velocities, and whether the temporal clip cut anything short.
+
+        The root is carried by the standing feet; only with none of them standing does it move by
+        the expert's own estimate of its velocity.
+        """
+        spec, rates = EXPERTS[self.state], mapped.rates
+        quat_s = shape_tilt(mapped.base_quat, NEUTRAL[self.state].base_quat, self.settings)
+        joint_pos, contact = mapped.joint_pos, mapped.contact_prob
+        vx, vy, _ = rates[RATES["base_lin_vel"]].tolist()
+        felt = mapped.turn is None  # else a generator's steps, which need no mending
+        if spec.turns:
+            if mapped.turn is None:
+                self._steer(quat_s, spec.turn_gain * rates[RATES["base_ang_vel"]], dt)
+            else:
+                self._yaw += mapped.turn * dt
+            gain = self.stride_gain if felt else 1.0
+            joint_pos = cap_stride(joint_pos, math.hypot(vx, vy), self.settings, gain)
+        c, s = math.cos(self._yaw), math.sin(self._yaw)
+        drift = np.array([c * vx - s * vy, s * vx + c * vy, 0.0])
+        wanted = np.array(scalars.mul(scalars.yaw(self._yaw), quat_s.tolist()))
+        last, lock = self.last, self._lock
+        lock.config = spec.consistency if felt else AS_PLANNED
+        quat, turned = limit_turn(wanted, last.base_quat, spec.trunk_speed, dt)
+        asked = lock.step(joint_pos, quat, contact, dt, drift, spec.root_speed)
+        joint_pos, clipped = limit_speed(asked, last.joint_pos, spec.speed_limit, dt)
+        if clipped:
+            lock.recheck(joint_pos, quat)
+        spun = scalars.rotvec(scalars.mul(scalars.conj(last.base_quat.tolist()), quat.tolist()))
+        # What is told agrees with what is done: a foot held through the hysteresis is a contact.
+        told = np.where(lock.locked, np.maximum(contact, 0.51), np.minimum(contact, 0.49))
+        self.last = ReferencePose(
+            base_pos=lock.base_pos,
+            base_quat=quat,
+            joint_pos=joint_pos,
+            foot_contact=told,
+            base_lin_vel_w=(lock.base_pos - last.base_pos) / dt,
+            base_ang_vel_b=np.array(spun) / dt,
+            joint_vel=(joint_pos - last.joint_pos) / dt,
+        )
+        return self.last, clipped or turned
+
+    def _steer(self, quat_s: Array, ang_vel_b: Array, dt: float) -> None:
+        rate = float(scalars.matrix(quat_s.tolist())[2] @ ang_vel_b)
+        self._turn += (rate - self._turn) * min(1.0, dt / TURN_TAU)
+        beyond = min(abs(self._turn), TURN_MAX) - TURN_DEAD_ZONE
+        gain = TURN_MAX / (TURN_MAX - TURN_DEAD_ZONE)
+        self._yaw += math.copysign(max(0.0, beyond) * gain, self._turn) * dt
+
+    @property
+    def slips(self) -> int:
+        """Locked feet that could not be held and were locked anew, since the start."""
+        return self._lock.slips

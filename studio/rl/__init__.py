@@ -1,0 +1,1 @@
+"""Reference to policy: the imitation environment, its motions, noise, rewards and curriculum."""

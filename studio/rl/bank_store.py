@@ -1,0 +1,72 @@
+"""Banks of motions on disk: drawn once, they are read in a blink."""
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterable
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.reference.intent import StateName
+from studio.rl.bank import MotionBank, build_bank, task_names
+
+STUDIO = Path(__file__).resolve().parents[1]
+DRAWN_BY = ("bank", "controller", "crossing", "transition")
+"""This room's files that a bank's motions depend on."""
+
+
+def digest(files: Iterable[Path]) -> str:
+    """Changes whenever one of the files does."""
+    return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()
+
+
+def kept(folder: Path | None, name: str, key: Any, draw: Callable[[], MotionBank]) -> MotionBank:
+    """The bank that `draw` made before under this name and key, else a new one, then kept.
+
+    key: all that the motions depend on, as JSON can say it. folder: None keeps nothing.
+    """
+    if folder is None:
+        return draw()
+    told = hashlib.sha256(json.dumps(key).encode()).hexdigest()[:16]
+    file = folder / f"{name}-{told}.npz"
+    if file.exists():
+        return _read(file)
+    bank = draw()
+    values = {f.name: getattr(bank, f.name) for f in fields(bank)}
+    save_arrays(file, {k: np.asarray(v) for k, v in values.items() if v is not None})
+    return bank
+
+
+def save_arrays(file: Path, arrays: dict[str, NDArray[Any]]) -> None:
+    """An .npz, whole or not at all, whoever else is writing it."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    scratch = file.with_suffix(f".{os.getpid()}.tmp.npz")
+    np.savez(scratch, **arrays)  # pyright: ignore[reportArgumentType]
+    scratch.rename(file)
+
+
+def library_bank(folder: Path | None, state: StateName, **drawn: Any) -> MotionBank:
+    """`build_bank` of a state, kept in a folder; changed arguments or code make new ones."""
+    key = [_library_digest(), state, task_names(state), sorted(drawn.items())]
+    return kept(folder, f"bank-{state}", key, lambda: build_bank(state, **drawn))
+
+
+def _library_digest() -> str:
+    """Changes whenever the code that makes reference motions does."""
+    files = [*(STUDIO / "reference").rglob("*.py"), *(STUDIO / "robot").glob("*.py")]
+    return digest(files + [STUDIO / "imitation" / f"{name}.py" for name in DRAWN_BY])
+
+
+def _read(file: Path) -> MotionBank:
+    with np.load(file) as saved:
+        arrays: dict[str, Any] = {k: saved[k] for k in saved.files}
+    words = {
+        "state": str(arrays["state"]),
+        "tasks": tuple(map(str, arrays["tasks"])),
+        "leg_contact": bool(arrays["leg_contact"]),
+    }
+    return MotionBank(**(arrays | words))

@@ -1,0 +1,173 @@
+"""A controller over many simulated episodes → one row of figures per episode."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.control.observation import Foresee
+from studio.control.policy import Policy
+from studio.rl.bank import MotionBank
+from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.env import ImitationEnv
+from studio.rl.env_config import EnvConfig
+from studio.robot import a1, kinematics
+
+Array = NDArray[np.float64]
+MAX_LAG = 10
+"""Control periods up to which a lag behind the reference is looked for."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Command:
+    """What a controller sends: action (N, 12), or instead a PD target (N, 12) rad."""
+
+    action: Array
+    target: Array | None = None
+
+
+Act = Callable[[ImitationEnv], Command]
+
+
+def stand_still(env: ImitationEnv) -> Command:
+    """The neutral pose, whatever is asked."""
+    zero = np.zeros((env.num_envs, 12))
+    return Command(action=zero, target=np.broadcast_to(env.neutral, zero.shape))
+
+
+def pd_playback(env: ImitationEnv) -> Command:
+    """The (noisy) reference straight to the PD."""
+    zero = np.zeros((env.num_envs, 12))
+    return Command(action=zero, target=env.noisy_joint_pos)
+
+
+def policy_of(policy: Policy) -> Act:
+    """The network on the environment's own observations: the training path."""
+
+    def act(env: ImitationEnv) -> Command:
+        action = policy.network(env.observation())
+        return Command(action=action.astype(np.float64))
+
+    return act
+
+
+def evaluation_env(
+    bank: MotionBank,
+    num: int,
+    seed: int,
+    *,
+    randomisation: float = 1.0,
+    noise: float = 1.0,
+    threads: int = 0,
+    settings: EnvConfig | None = None,
+    foresee: Foresee | None = None,
+) -> ImitationEnv:
+    """`num` episodes of the bank's motions from their first frame, dynamics from Table I."""
+    stage = Stage(
+        tasks=bank.tasks, difficulty=float(bank.difficulty.max()), randomisation=randomisation
+    )
+    config = replace(
+        settings or EnvConfig(),
+        num_envs=num,
+        threads=threads,
+        evaluation=True,
+        noise_scale=noise,
+    )
+    curriculum = Curriculum(ladder=[stage])
+    return ImitationEnv(config, bank, seed=seed, curriculum=curriculum, foresee=foresee)
+
+
+def run_episodes(env: ImitationEnv, act: Act) -> dict[str, Array]:
+    """Figures (N,) of one episode per robot, over the time until its fall.
+
+    success_time, tracked_time: shares of the whole episode. joint_ms: mean squared joint error,
+    rad². foot_error, height_error (m), tilt_error (rad), velocity_error (m/s), yaw_rate_error
+    (rad/s): means. drift: m between the ways of robot and reference, over the reference's path
+    length `path`. skate: m/s of feet on the floor. jerk: rad/s³ RMS. saturation: share of joints
+    at the torque limit. lag: s by which the joints follow the reference best.
+    """
+    env.reset()
+    n, steps = env.num_envs, env.bank.frames - 1
+    alive = np.ones(n, dtype=bool)
+    sums: dict[str, Array] = {}
+    joints = np.zeros((steps, n, 12), dtype=np.float32)
+    lifetime = np.zeros(n)
+    feet_before = _feet_w(env)
+    start_pos, start_yaw = np.array(env.world.base_pos[:, :2]), np.array(env.yaw)
+    end_pos = np.array(start_pos)
+    for step in range(steps):
+        command = act(env)
+        _, _, terminated, _, _ = env.step(command.action, command.target)
+        alive &= ~terminated
+        lifetime += alive
+        feet = _feet_w(env)
+        down = (feet[..., 2] < a1.FOOT_RADIUS + 0.005) & (
+            feet_before[..., 2] < a1.FOOT_RADIUS + 0.005
+        )
+        speed = np.linalg.norm((feet - feet_before)[..., :2], axis=-1) / a1.CONTROL_DT
+        feet_before = feet
+        now = {
+            **env.metrics,
+            "skate_sum": np.sum(speed * down, axis=-1),
+            "skate_count": np.sum(down, axis=-1).astype(float),
+            "saturation": np.mean(np.abs(env.world.torque) > 0.99 * a1.TORQUE_LIMIT, axis=-1),
+        }
+        for name, value in now.items():
+            sums[name] = sums.get(name, np.zeros(n)) + np.where(alive, value, 0.0)
+        joints[step] = env.world.joint_pos
+        end_pos = np.where(alive[:, None], env.world.base_pos[:, :2], end_pos)
+    life = np.maximum(lifetime, 1.0)
+    out = {
+        "success_time": lifetime / steps,
+        "tracked_time": sums["tracked"] / steps,
+        "joint_ms": sums["joint_sq"] / life,
+        "skate": sums["skate_sum"] / np.maximum(sums["skate_count"], 1.0),
+    }
+    for name in (
+        "foot_error",
+        "tilt_error",
+        "height_error",
+        "velocity_error",
+        "yaw_rate_error",
+        "saturation",
+    ):
+        out[name] = sums[name] / life
+    out |= _way(env, start_pos, start_yaw, end_pos, lifetime.astype(int))
+    out |= _smoothness(env, joints, lifetime.astype(int))
+    return out
+
+
+def _feet_w(env: ImitationEnv) -> Array:
+    return kinematics.foot_pos_w(env.world.base_pos, env.world.base_quat, env.world.joint_pos)
+
+
+def _way(
+    env: ImitationEnv, start: Array, yaw: Array, end: Array, life: NDArray[np.intp]
+) -> dict[str, Array]:
+    """Drift between robot and reference over the time alive, and the reference's path length."""
+    bank, m = env.bank, env.motion
+    last = np.minimum(life, bank.frames - 1)
+    moved = bank.base_pos[m, last, :2] - bank.base_pos[m, 0, :2]
+    turn = yaw - bank.yaw[m, 0]
+    c, s = np.cos(turn), np.sin(turn)
+    asked = np.stack([c * moved[:, 0] - s * moved[:, 1], s * moved[:, 0] + c * moved[:, 1]], -1)
+    steps = np.linalg.norm(np.diff(bank.base_pos[m][..., :2], axis=1), axis=-1)
+    path = np.array([steps[i, :k].sum() for i, k in enumerate(last)])
+    return {"drift": np.linalg.norm(end - start - asked, axis=-1), "path": path}
+
+
+def _smoothness(env: ImitationEnv, joints: NDArray, life: NDArray[np.intp]) -> dict[str, Array]:
+    """RMS jerk of the joints, and the lag at which they match the reference best."""
+    n = env.num_envs
+    lag, jerk = np.zeros(n), np.zeros(n)
+    for i in range(n):
+        k = max(int(life[i]), MAX_LAG + 4)
+        ours = joints[:k, i]
+        asked = env.bank.joint_pos[env.motion[i], 1 : k + 1]
+        errors = [
+            float(np.mean((ours[d:] - asked[: len(asked) - d]) ** 2)) for d in range(MAX_LAG + 1)
+        ]
+        lag[i] = int(np.argmin(errors)) * a1.CONTROL_DT
+        jerk[i] = float(np.sqrt(np.mean((np.diff(ours, n=3, axis=0) / a1.CONTROL_DT**3) ** 2)))
+    return {"lag": lag, "jerk": jerk}

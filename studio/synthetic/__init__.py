@@ -1,0 +1,23 @@
+"""The synthetic person: a body, habits and a sensor that turn intents into human motion."""
+
+from studio.synthetic.body import Body
+from studio.synthetic.exercises import exercise, labels, squats
+from studio.synthetic.perform import Performance, Performer, perform, play
+from studio.synthetic.person import FAMILIES, Habits, Person
+from studio.synthetic.sensor import SENSORS, Sensor
+
+__all__ = [
+    "FAMILIES",
+    "SENSORS",
+    "Body",
+    "Habits",
+    "Performance",
+    "Performer",
+    "Person",
+    "Sensor",
+    "exercise",
+    "labels",
+    "perform",
+    "play",
+    "squats",
+]

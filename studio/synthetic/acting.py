@@ -1,0 +1,261 @@
+"""Acting: what is meant, as smoothed signals, becomes the posture of one person, habits and all."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.synthetic import signals as sig
+from studio.synthetic.carriage import SIGN, Posture
+from studio.synthetic.person import SQUAT_ARMS, Habits, Person
+from studio.synthetic.signals import smoothstep
+
+Array = NDArray[np.float64]
+
+
+def act(
+    person: Person,
+    s: Array,
+    tempo: Array,
+    walk: Array,
+    pace: Array,
+    circles: Array,
+    body_sway: Array,
+    arm_sway: Array,
+    beat: Array,
+    gesture: Array,
+    gesture_weight: Array,
+) -> tuple[Posture, Array]:
+    """Posture of T frames of signal `s` (T, NUM), and (T, 2) how idle each arm is (right, left).
+
+    tempo: (T,) strides per second of the march as a whole. walk, pace: (T,) in [0, 1], how much
+    of a marcher's steps, and of a marcher's carriage, has been taken up. circles: (T,) in [0, 1],
+    how much walking is circling the hands instead of lifting the feet. The others are those of
+    `idle.Sway` and `idle.Fidgets`.
+    """
+    h = person.habits
+    sit = s[:, sig.SIT]
+    phase = s[:, sig.PHASE] + h.timing * beat
+    bell, march = _steps(h, s, tempo, walk, phase)
+    march = march * (1.0 - circles[:, None])
+    trunk, pelvis = _trunk(h, s, pace, sit, body_sway, march, bell)
+    knee, shank, heel, out = _knees(h, s, sit, body_sway[:, 7])
+    lift, lift_knee, point = _lifts(h, s, bell, march)
+    shift = np.stack(
+        [
+            body_sway[:, 0] - h.hips_back * np.sin(trunk[:, 1] - _lean(h, s, sit)) * (1.0 - sit),
+            body_sway[:, 1]
+            + 0.5 * h.hips_back * np.sin(trunk[:, 0])
+            - h.weight_shift * (_lead(h, tempo, phase) * SIGN).sum(axis=1) * march.max(axis=1),
+        ],
+        axis=-1,
+    )
+    arms, free, idle = _arms(
+        person, s, pace, circles, sit, phase, arm_sway, gesture, gesture_weight
+    )
+    turn_head = np.stack(
+        [
+            -h.head_share * 0.5 * trunk[:, 0],
+            -h.head_share * trunk[:, 1] * 0.6 + body_sway[:, 5],
+            h.head_share * 0.3 * trunk[:, 2] + body_sway[:, 6],
+        ],
+        axis=-1,
+    )
+    return (
+        Posture(
+            knee=knee,
+            shank=shank,
+            pelvis_shift=shift,
+            # Whoever stands and circles the hands hardly bobs.
+            pelvis_drop=(1.0 - 0.7 * circles)
+            * (h.bob * pace * 0.5 * (1.0 - np.cos(4.0 * np.pi * phase))),
+            pelvis_rpy=pelvis,
+            trunk_rpy=trunk,
+            head_rpy=turn_head,
+            heel=heel,
+            lift=lift,
+            lift_knee=lift_knee,
+            swing=np.minimum(4.0 * bell, 1.0) * march,
+            tuck=h.tuck * bell**2 * march,
+            point=point,
+            knees_out=out,
+            arms=arms,
+            arm_free=free,
+        ),
+        idle,
+    )
+
+
+def marching(s: Array) -> Array:
+    """(T,) in [0, 1]: 1 while the phase of a march goes on."""
+    return s[:, sig.WALK] * smoothstep(s[:, sig.CADENCE] / 0.2)
+
+
+def _leg_phase(phase: Array) -> Array:
+    """(T, 2) phase of the (right, left) leg in [0, 1); the left foot lifts at 0."""
+    return (phase[:, None] + np.array([0.5, 0.0])) % 1.0
+
+
+def _share(h: Habits, tempo: Array) -> Array:
+    """(T, 1) share of the stride that a foot swings: slow marchers pause between steps."""
+    most = h.swing_share + h.jog_flight * smoothstep((tempo - 0.9) / 0.5)
+    return np.clip(h.swing_s * tempo, 0.12, most)[:, None]
+
+
+def _steps(h: Habits, s: Array, tempo: Array, walk: Array, phase: Array) -> tuple[Array, Array]:
+    """(T, 2) how high each foot is in its swing, in [0, 1], and (T, 2) how much it marches."""
+    u = np.clip(_leg_phase(phase) / _share(h, tempo), 0.0, 1.0) ** h.step_skew
+    wave = np.maximum(np.sin(np.pi * u), 0.0)
+    held = smoothstep(h.step_hold * wave)
+    bell = h.step_hold_share * held + (1.0 - h.step_hold_share) * wave ** (2.0 * h.step_shape)
+    return bell, np.repeat((walk * smoothstep(s[:, sig.LIFT] / 0.1))[:, None], 2, axis=1)
+
+
+def _lead(h: Habits, tempo: Array, phase: Array) -> Array:
+    """(T, 2) weight to take off each foot: ahead of its swing and longer."""
+    share = _share(h, tempo)
+    u = np.clip((_leg_phase(phase + 0.35 * share[:, 0]) / (1.7 * share)), 0.0, 1.0)
+    return np.sin(np.pi * u) ** 2
+
+
+def _lifts(h: Habits, s: Array, bell: Array, march: Array) -> tuple[Array, Array, Array]:
+    """Thigh lift, knee flexion and toe pointing (T, 2) of the swinging legs."""
+    share = np.maximum(s[:, sig.LIFT, None], 0.0) ** 0.7
+    high = h.step_low + (h.step_high - h.step_low) * share
+    # Nobody throws the knees up twice a second as high as once.
+    high = high / (1.0 + 0.9 * np.maximum(s[:, sig.CADENCE, None] - 0.8, 0.0))
+    lift = high * h.step_asymmetry * bell * march
+    # A jog lifts the heel behind instead of the thigh in front.
+    jog = smoothstep((s[:, sig.CADENCE, None] - 0.9) / 0.5) * np.maximum(1.2 - high, 0.0)
+    # Twice the thigh's angle at first: the foot leaves the floor straight up instead of sliding.
+    knee = lift * (2.0 - bell) + (h.shin_back + h.jog_kick * jog) * bell**2 * march
+    return lift, np.maximum(knee, 0.35 * lift), np.full_like(lift, 0.5)
+
+
+def _lean(h: Habits, s: Array, sit: Array) -> Array:
+    """(T,) trunk lean that balance asks for: crouching, squatting, and on the way down or up."""
+    dive = 4.0 * sit * (1.0 - sit) * h.squat_dive
+    return h.crouch_lean * s[:, sig.CROUCH] * (1.0 - sit) + h.squat_lean * sit + dive
+
+
+def _trunk(
+    h: Habits, s: Array, pace: Array, sit: Array, sway: Array, march: Array, bell: Array
+) -> tuple[Array, Array]:
+    """Trunk and pelvis roll, pitch, yaw (T, 3) each."""
+    stand_gain = np.repeat(h.gain[None], len(s), axis=0)
+    gain = stand_gain + sit[:, None] * (h.sit_gain - stand_gain)
+    tilt = s[:, sig.TILT]
+    # Backwards a spine gives less; in sit both ways are the hips' doing.
+    back = np.where(sit > 0.5, gain[:, 1], gain[:, 2])
+    pitch_gain = np.where(tilt[:, 1] > 0.0, gain[:, 1], back)
+    turn = s[:, sig.TURN] * s[:, sig.WALK]
+    swing = (SIGN * bell * march).sum(axis=1)
+    roll = gain[:, 0] * tilt[:, 0] + sway[:, 2] - h.turn_lean * turn + h.march_sway * swing
+    pitch = h.slouch + pitch_gain * tilt[:, 1] + sway[:, 3] + _lean(h, s, sit)
+    pitch = pitch + pace * (h.march_lean + 0.06 * s[:, sig.SPEED])
+    yaw = gain[:, 3] * tilt[:, 2] + sway[:, 4] + h.turn_yaw * turn
+    trunk = np.stack([roll, pitch, yaw + 0.8 * h.march_sway * swing], axis=-1)
+    share = np.array([h.hips_roll, 0.0, h.hips_yaw])
+    pelvis = trunk * share
+    pelvis[:, 2] -= 1.2 * h.march_sway * swing
+    return trunk, pelvis
+
+
+def _knees(h: Habits, s: Array, sit: Array, sway: Array) -> tuple[Array, Array, Array, Array]:
+    """Knee, shank, heel and knees-out angles (T,) of standing, crouching and squatting."""
+    stand = h.knee_rest + (h.crouch_knee - h.knee_rest) * s[:, sig.CROUCH]
+    deep = smoothstep(sit / 0.95)
+    # Wobbling knees: both ways when bent, only ever bending further when nearly straight.
+    sway = np.where(sway > 0.0, sway, sway * smoothstep((stand - 0.05) / 0.3))
+    knee = stand + (h.squat_knee - stand) * sit + sway * (1.0 + 1.5 * sit)
+    shank = h.shank_share * h.knee_rest + 0.48 * (stand - h.knee_rest)
+    shank = shank + (h.squat_shank - shank) * sit
+    bent = np.clip(knee / 1.8, 0.0, 1.0)
+    return knee, shank, h.heels_up * deep**2, h.knees_out * bent
+
+
+def _arms(
+    person: Person,
+    s: Array,
+    pace: Array,
+    circles: Array,
+    sit: Array,
+    phase: Array,
+    arm_sway: Array,
+    gesture: Array,
+    gesture_weight: Array,
+) -> tuple[Array, Array, Array]:
+    """Arm angles (T, 2, 4), freedom from the trunk (T, 2) and idleness (T, 2)."""
+    h = person.habits
+    reach = s[:, sig.REACH]
+    active = smoothstep(reach / 0.25)
+    idle_weight = gesture_weight * (1.0 - active)
+    rest = h.hang + arm_sway
+    if h.squat_arms != "hang" and np.isfinite(h.fidget_gap_s):
+        weight = sit[:, None] * (1.0 - active)
+        rest = rest + weight[..., None] * (SQUAT_ARMS[h.squat_arms] - rest)
+        squat_idle = weight
+    else:
+        squat_idle = np.zeros_like(reach)
+    rest = rest + _march_arms(person, s, pace, circles, phase)
+    rest = rest + idle_weight[..., None] * (gesture - rest)
+
+    out = s[:, sig.SIDE] * SIGN  # > 0: outwards
+    angle = np.where(out > 0.0, h.raise_side, 0.6) * out + h.raise_aside * (1.0 - np.abs(out))
+    top = h.raise_top * reach
+    blend = active[..., None]
+    flex = h.raise_flex * (1.0 - 0.7 * reach**2)
+    raised = np.stack(
+        [top * np.cos(angle), top * np.sin(angle), np.full_like(top, 0.1), flex], axis=-1
+    )
+    arms = rest + blend * (raised + 0.5 * arm_sway - rest)
+    arms[..., 3] = np.clip(arms[..., 3], 0.03, 2.6)
+    free = h.arm_gravity + active * (h.raised_gravity - h.arm_gravity)
+    # Who sits bent forward still reaches up to the ceiling.
+    free = free + sit[:, None] * active * (0.7 - h.raised_gravity)
+    free = free * (1.0 - idle_weight * smoothstep(gesture[..., :2].max(axis=-1)))
+    return arms, free, np.maximum(idle_weight, squat_idle)
+
+
+def _march_arms(person: Person, s: Array, pace: Array, circles: Array, phase: Array) -> Array:
+    """(T, 2, 4) what marching adds to resting arms: a swing against the legs, or the circles."""
+    h = person.habits
+    turn = 2.0 * np.pi * _leg_phase(phase)
+    add = np.zeros((len(s), 2, 4))
+    w = pace[:, None]
+    # An arm goes forward with the other side's leg: against its own.
+    beat = -np.sin(turn + 0.35)
+    add[..., 0] = w * (h.arm_swing * beat + 0.3 * h.march_out)
+    add[..., 1] = w * h.march_out
+    add[..., 3] = w * (h.march_flex + 0.35 * h.arm_swing * beat)
+    if not circles.any():
+        return add
+    rounds = w[..., None] * (_circles(person, s, turn) - h.hang)
+    return add + circles[:, None, None] * (rounds - add)
+
+
+def _circles(person: Person, s: Array, turn: Array) -> Array:
+    """(T, 2, 4) arms whose hands go round in front of the body, forwards over the top, in turn.
+
+    turn: (T, 2) rad, where each hand is on its way: 0 at the back of the circle, rising. The wrist
+    goes round the place that `circle_arm` puts it, in the plane of the bent arm, by two-bone IK.
+    The higher the step that is meant, the larger the circle.
+    """
+    h, upper, fore = person.habits, person.body.upper_arm, person.body.forearm
+    at, bend = h.circle_arm[0], h.circle_arm[0] + h.circle_arm[3]
+    centre = np.array(
+        [upper * np.sin(at) + fore * np.sin(bend), -upper * np.cos(at) - fore * np.cos(bend)]
+    )
+    size = 0.35 + 0.65 * np.clip(s[:, sig.LIFT, None], 0.0, 1.0)
+    radius = h.circle_size * upper * size * h.step_asymmetry
+    # Nobody goes round evenly, or quite in a circle.
+    turn = turn + 0.6 * (h.step_skew - 1.0) * np.sin(turn)
+    tall = np.sqrt(h.step_shape)
+    x = centre[0] - radius / tall * np.cos(turn)
+    z = centre[1] + radius * tall * np.sin(turn)
+    span = np.clip(np.hypot(x, z), 0.12, 0.98 * (upper + fore))
+    flex = np.pi - np.arccos(
+        np.clip((upper**2 + fore**2 - span**2) / (2.0 * upper * fore), -1.0, 1.0)
+    )
+    ahead = np.arctan2(x, -z) - np.arctan2(fore * np.sin(flex), upper + fore * np.cos(flex))
+    arms = np.repeat(np.repeat(h.circle_arm[None, None], len(s), axis=0), 2, axis=1)
+    arms[..., 0], arms[..., 3] = ahead, flex
+    return arms

@@ -1,0 +1,102 @@
+"""What people do besides the library's tasks: brisk exercises, squats, and labels frame by frame.
+
+Library tasks move as fast as the robot may. People do not know that: they twist, bend, swing and
+squat several times faster, and a selector or mapper must have seen it.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.human.skeleton import INDEX
+from studio.reference.intent import IntentTrack
+from studio.reference.tracks import frames_in, make_track
+from studio.synthetic import signals as sig
+from studio.synthetic.signals import DT
+
+Array = NDArray[np.float64]
+
+SIT_KNEE, STAND_KNEE = np.radians(90.0), np.radians(70.0)
+"""Both knees flexed beyond the first are sitting, under the second standing; between, neither."""
+
+
+def exercise(rng: np.random.Generator, seconds: float) -> IntentTrack:
+    """A standing track (30 Hz) at people's pace: a few of twists, bends, windmills, knee bends …
+
+    Each lasts some repetitions of 0.7 to 4 s. The arms rise one at a time, as a stand allows.
+    """
+    length = frames_in(seconds)
+    tilt, crouch = np.zeros((length, 3)), np.zeros(length)
+    reach, side = np.zeros((length, 2)), np.zeros((length, 2))
+    start = int(rng.uniform(0.2, 1.0) / DT)
+    while start < length:
+        period = float(np.exp(rng.uniform(np.log(0.7), np.log(4.0))))
+        count = max(round(rng.uniform(2.0, 8.0) / period), 1)
+        stop = min(start + round(count * period / DT), length)
+        n = stop - start
+        turn = 2.0 * np.pi * np.arange(n) * DT / period
+        # Fades in and out within half a repetition.
+        edge = sig.smoothstep(2.0 * np.minimum(turn, turn[-1] - turn) / (2.0 * np.pi))
+        size = rng.uniform(0.5, 1.0) * min(1.0, period / 1.2)
+        wave, once = np.sin(turn) * edge * size, 0.5 * (1.0 - np.cos(turn)) * size
+        span = slice(start, stop)
+        kind = rng.choice(["twist", "bend", "sides", "windmill", "raise", "knees"])
+        if kind == "twist":
+            tilt[span, 2] = np.radians(40.0) * wave
+        elif kind == "bend":
+            tilt[span, 1] = np.radians(rng.choice([40.0, 40.0, -25.0])) * once
+        elif kind == "sides":
+            tilt[span, 0] = np.radians(35.0) * wave
+        elif kind == "windmill":
+            down = np.radians(30.0) * np.abs(wave)
+            tilt[span] = np.stack([0.3 * wave, down, np.radians(40.0) * wave], axis=-1)
+        elif kind == "raise":
+            arm = int(rng.integers(2))
+            reach[span, arm] = once
+            side[span, arm] = rng.uniform(0.0, 1.0) * (2 * arm - 1) * edge
+        else:
+            crouch[span] = once
+        start = stop + int(rng.uniform(0.0, 0.8) / DT)
+    return make_track(
+        "stand", "exercise", length, tilt=tilt, crouch=crouch, reach=reach, reach_side=side
+    )
+
+
+def squats(rng: np.random.Generator, seconds: float) -> Array:
+    """(T, NUM) signal of somebody who sits down (or squats) and gets up again and again.
+
+    Down for 0.3 to 4 s, up for as long, with tilts and arms now and then on either level.
+    """
+    length = frames_in(seconds)
+    signal = np.zeros((length, sig.NUM))
+    frame, down = 0, bool(rng.integers(2))
+    while frame < length:
+        stop = min(frame + round(rng.uniform(0.8, 4.0) / DT), length)
+        n = stop - frame
+        u = np.arange(n) / max(n - 1, 1)
+        pulse = sig.smoothstep(4.0 * np.minimum(u, 1.0 - u))
+        signal[frame:stop, sig.SIT] = down
+        if rng.random() < 0.4:
+            limit = np.radians([7.0, 14.0, 3.0] if down else [15.0, 25.0, 20.0])
+            signal[frame:stop, sig.TILT] = pulse[:, None] * rng.uniform(-1.0, 1.0, 3) * limit
+        if rng.random() < 0.4:
+            arms = rng.random(2) if down else np.eye(2)[rng.integers(2)]
+            signal[frame:stop, sig.REACH] = pulse[:, None] * arms
+        frame, down = stop, not down
+    return signal
+
+
+def labels(true_pos_w: Array, signal: Array) -> NDArray[np.str_]:
+    """(T,) "stand", "walk", "sit" or "" (on the way), of true joints (T, 19, 3) and a signal.
+
+    As a careful person labels a clip: walk while somebody marches, otherwise by both knees.
+    """
+    flexion = []
+    for side in ("l_", "r_"):
+        hip, knee, ankle = (true_pos_w[:, INDEX[side + j]] for j in ("hip", "knee", "ankle"))
+        a, b = knee - hip, ankle - knee
+        cos = np.sum(a * b, -1) / (np.linalg.norm(a, axis=-1) * np.linalg.norm(b, axis=-1))
+        flexion.append(np.arccos(np.clip(cos, -1.0, 1.0)))
+    both = np.stack(flexion, axis=-1)
+    state = np.where((both > SIT_KNEE).all(axis=-1), "sit", "")
+    state = np.where((both < STAND_KNEE).all(axis=-1), "stand", state)
+    return np.where(signal[:, sig.WALK] > 0.5, "walk", state)

@@ -1,0 +1,1 @@
+"""The memory: ticks, takes as crash-safe tapes, the folder of them."""

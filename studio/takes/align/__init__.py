@@ -1,0 +1,1 @@
+"""How late the person of a take was, and the warp that evens it out."""

@@ -1,0 +1,1 @@
+"""Takes to pairs, data set versions, a map and a score."""

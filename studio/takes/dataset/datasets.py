@@ -1,0 +1,294 @@
+"""Takes to data set versions: pairs as one Parquet file, named by what they were made from.
+
+A version is the hash of the tapes, the edits that matter (with the lag as it was taken out, which
+a session's other takes may have told) and the code that makes pairs; the same takes of the same
+session give the same version, wherever and whenever. Versions are never changed: that the manifest
+gives its version, and the table the hash of the contents in it, is checked on loading.
+
+    sessions/datasets/VERSION/pairs.parquet, manifest.json
+"""
+
+import hashlib
+import shutil
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from datetime import datetime
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import msgspec
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from numpy.typing import NDArray
+
+from studio import __version__
+from studio.errors import StudioError, unknown_name
+from studio.human import calibration, canonical, features, filters, posture, skeleton
+from studio.reference import contact, motion, stances
+from studio.reference.intent import STATES
+from studio.robot import a1, kinematics, legs, single
+from studio.takes import columns, take
+from studio.takes.align import alignment, lag, likelihood, synchrony
+from studio.takes.dataset import pairs
+from studio.takes.dataset.pairs import SHAPES, Pairs, settled, take_pairs, walked_in
+from studio.takes.edit import edited
+from studio.takes.edit.edits import Edits
+from studio.takes.library import SessionLibrary
+from studio.takes.names import check_name
+from studio.takes.record import codec, tape
+from studio.takes.record.recorder import TAPE
+
+DATASETS, TABLE, MANIFEST = "datasets", "pairs.parquet", "manifest.json"
+FORMAT_VERSION = 1
+_CODE: tuple[ModuleType, ...] = (
+    a1, alignment, calibration, canonical, codec, columns, contact, edited, features, filters,
+    kinematics, lag, legs, likelihood, motion, pairs, posture, single, skeleton, geometry, stances,
+    synchrony, take, tape,
+)  # fmt: skip
+_EDITS = ("trim", "cuts", "lag", "warp", "keep", "label")
+_TAKE = ("name", "tape", "edits")
+_MADE_FROM = ("format_version", "code", "states", "style")
+_NAMES = ("take", "state", "tick")
+
+
+@dataclass(frozen=True, kw_only=True)
+class DataSet:
+    """A version, read and checked. arrays: as `pairs.SHAPES`, (N, …) float32; take (N,) index into
+    manifest["takes"]; state (N,) index into STATES; tick (N,)."""
+
+    version: str
+    manifest: dict[str, Any]
+    arrays: dict[str, NDArray[Any]]
+
+    def __len__(self) -> int:
+        return len(self.arrays["tick"])
+
+    def of(self, state: str) -> dict[str, NDArray[Any]]:
+        """The rows of one state."""
+        if state not in STATES:
+            raise unknown_name("state", state, STATES)
+        rows = self.arrays["state"] == STATES.index(state)
+        return {name: value[rows] for name, value in self.arrays.items()}
+
+
+def build(
+    library: SessionLibrary,
+    names: Sequence[str] | None = None,
+    *,
+    states: Iterable[str] = STATES,
+    style: str = "march",
+) -> DataSet:
+    """The data set of these takes (without names: of all that were kept), made or found again.
+
+    style: which human motion means walking. Raises StudioError for an unknown take or state, one
+    that cannot be read, walking in another style, and when there is no pair in them.
+    """
+    states = sorted(set(states))
+    for state in states:
+        if state not in STATES:
+            raise unknown_name("state", state, STATES)
+    if names is None:
+        names = [info.name for info in library.list() if info.kept]
+        if not names:
+            raise StudioError("no take is kept yet: keep some, or name those to use")
+    names = sorted(set(names))
+    known = {name: settled(library, name) for name in names}
+    if "walk" in states:
+        _same_style(style, {n: walked_in(library, n, edits) for n, (edits, _) in known.items()})
+    made_from = {
+        "format_version": FORMAT_VERSION,
+        "code": code_version(),
+        "states": states,
+        "style": style,
+        "takes": [_take_key(library, name, edits) for name, (edits, _) in known.items()],
+    }
+    version = _version(made_from)
+    folder = library.root / DATASETS / version
+    if not (folder / MANIFEST).exists():
+        _write(library, folder, made_from, version, known)
+    return load(library.root, version)
+
+
+def load(root: Path, version: str) -> DataSet:
+    """A version of a sessions folder; StudioError when it is unknown, incomplete or was changed."""
+    folder = Path(root) / DATASETS / check_name(version, "data set version")
+    if not folder.is_dir():
+        known = ", ".join(m["version"] for m in versions(root)[-8:]) or "none yet"
+        raise StudioError(f"unknown data set version {version!r}; known: {known}")
+    again = "delete its folder and build it again"
+    try:
+        manifest = msgspec.json.decode((folder / MANIFEST).read_bytes())
+        if manifest["format_version"] != FORMAT_VERSION:
+            raise StudioError(
+                f"data set {version} has format {manifest['format_version']}, this studio reads"
+                f" {FORMAT_VERSION}: {again}"
+            )
+        made_from = {key: manifest[key] for key in _MADE_FROM} | {
+            "takes": [{key: row[key] for key in _TAKE} for row in manifest["takes"]]
+        }
+        arrays = read_table(folder / TABLE)
+    except (OSError, KeyError, TypeError, ValueError, msgspec.MsgspecError, pa.ArrowException) as e:
+        raise StudioError(f"data set {version} cannot be read ({e}): {again}") from e
+    if _version(made_from) != version:
+        raise StudioError(f"the manifest of data set {version} was changed: {again}")
+    if content_hash(arrays) != manifest.get("content"):
+        raise StudioError(f"data set {version} is not what its manifest says: {again}")
+    return DataSet(version=version, manifest=manifest, arrays=arrays)
+
+
+def versions(root: Path) -> list[dict[str, Any]]:
+    """The manifests of all versions, the newest last; damaged ones are left out."""
+    found = []
+    for path in (Path(root) / DATASETS).glob(f"*/{MANIFEST}"):
+        try:
+            manifest = msgspec.json.decode(path.read_bytes())
+            found.append((str(manifest["made"]), manifest))
+        except (OSError, KeyError, TypeError, msgspec.MsgspecError):
+            continue
+    return [manifest for _, manifest in sorted(found, key=lambda row: row[0])]
+
+
+def code_version() -> str:
+    """A hash of the sources that decide what a pair is."""
+    digest = hashlib.sha256()
+    for module in _CODE:
+        digest.update(Path(str(module.__file__)).read_bytes())
+    return digest.hexdigest()[:16]
+
+
+def _version(made_from: Mapping[str, Any]) -> str:
+    return hashlib.sha256(msgspec.json.encode(made_from, order="deterministic")).hexdigest()[:16]
+
+
+def _same_style(style: str, walked: Mapping[str, str | None]) -> None:
+    """StudioError where somebody walks in another style than `style`."""
+    others = {name: own for name, own in walked.items() if own not in (None, style)}
+    if not others:
+        return
+    first = next(iter(others.values()))
+    names = [name for name, own in others.items() if own == first]
+    some = ", ".join(names[:8]) + (f" and {len(names) - 8} more" if len(names) > 8 else "")
+    raise StudioError(
+        f"walking is in style {first}, not {style}, in {some}: train with --style {first}, or leave"
+        " these takes out"
+    )
+
+
+def _take_key(library: SessionLibrary, name: str, known: Edits) -> dict[str, Any]:
+    folder, edits = library.folder(name), asdict(known)
+    try:
+        with (folder / TAPE).open("rb") as file:
+            tape = hashlib.file_digest(file, "sha256").hexdigest()
+    except OSError as error:
+        raise StudioError(f"take {name} has no tape to read: {error.strerror}") from error
+    return {"name": name, "tape": tape, "edits": {key: edits[key] for key in _EDITS}}
+
+
+def _write(
+    library: SessionLibrary,
+    folder: Path,
+    made_from: dict[str, Any],
+    version: str,
+    known: Mapping[str, tuple[Edits, str]],
+) -> None:
+    """Take by take, so that memory holds one; a temporary folder, renamed when it is whole."""
+    temporary = folder.with_name(f".{version}.tmp")
+    shutil.rmtree(temporary, ignore_errors=True)
+    rows = []
+    try:
+        temporary.mkdir(parents=True)
+        with pq.ParquetWriter(temporary / TABLE, schema(), compression="zstd") as writer:
+            for number, take in enumerate(made_from["takes"]):
+                found = take_pairs(library, take["name"], known[take["name"]])
+                use = np.isin(found.state, [STATES.index(s) for s in made_from["states"]])
+                if use.any():
+                    writer.write_table(table_of(found, number, use))
+                rows.append(_about(found, use))
+        arrays = read_table(temporary / TABLE)
+        if not len(arrays["tick"]):
+            raise StudioError(
+                "there is no pair in these takes: nobody was seen, or all was rejected or cut"
+            )
+        manifest = made_from | {
+            "version": version,
+            "made": datetime.now().astimezone().isoformat(timespec="seconds"),
+            "studio_version": __version__,
+            "content": content_hash(arrays),
+            "count": len(arrays["tick"]),
+            "takes": [a | b for a, b in zip(made_from["takes"], rows, strict=True)],
+            "statistics": statistics(arrays),
+        }
+        (temporary / MANIFEST).write_bytes(
+            msgspec.json.format(msgspec.json.encode(manifest), indent=2)
+        )
+        if folder.exists():  # an earlier attempt that broke off, or another process was faster
+            shutil.rmtree(folder)
+        temporary.rename(folder)
+    except OSError as error:
+        raise StudioError(f"the data set was not written: {error.strerror}") from error
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _about(found: Pairs, use: NDArray[np.bool_]) -> dict[str, Any]:
+    counts = {s: int(np.sum(found.state[use] == i)) for i, s in enumerate(STATES)}
+    return {"pairs": int(use.sum()), "by_state": counts, "lag": found.lag, "aligned": found.aligned}
+
+
+def schema() -> pa.Schema:
+    """Columns of pairs.parquet: take, state, tick, then fixed-size lists of float32."""
+    kinds = [("take", pa.int32()), ("state", pa.uint8()), ("tick", pa.int32())]
+    lists = [(name, pa.list_(pa.float32(), shape[0])) for name, shape in SHAPES.items()]
+    return pa.schema([*kinds, *lists])
+
+
+def table_of(found: Pairs, number: int, use: NDArray[np.bool_] | None = None) -> pa.Table:
+    """Rows of pairs.parquet of one take (`use`: which)."""
+    use = np.ones(len(found), dtype=bool) if use is None else use
+    cols: list[pa.Array] = [
+        pa.array(np.full(int(use.sum()), number, np.int32)),
+        pa.array(found.state[use]),
+        pa.array(found.tick[use]),
+    ]
+    for name, (size,) in SHAPES.items():
+        flat = pa.array(np.ascontiguousarray(found.values[name][use]).ravel())
+        cols.append(pa.FixedSizeListArray.from_arrays(flat, size))
+    return pa.Table.from_arrays(cols, schema=schema())
+
+
+def read_table(path: Path) -> dict[str, NDArray[Any]]:
+    """The arrays of a pairs.parquet."""
+    table = pq.read_table(path).combine_chunks()
+    out: dict[str, NDArray[Any]] = {name: table[name].to_numpy() for name in _NAMES}
+    for name, shape in SHAPES.items():
+        column = table[name].combine_chunks()
+        if isinstance(column, pa.ChunkedArray):
+            column = pa.concat_arrays(column.chunks or [pa.array([], column.type)])
+        out[name] = column.flatten().to_numpy(zero_copy_only=False).reshape(-1, *shape)
+    return out
+
+
+def content_hash(arrays: dict[str, NDArray[Any]]) -> str:
+    """A hash of the numbers, whatever the file's encoding."""
+    digest = hashlib.sha256()
+    for name in (*_NAMES, *SHAPES):
+        digest.update(name.encode())
+        digest.update(np.ascontiguousarray(arrays[name]).tobytes())
+    return digest.hexdigest()
+
+
+def statistics(arrays: dict[str, NDArray[Any]]) -> dict[str, Any]:
+    """Per state: count, and mean, std, min and max of every column of every array."""
+    out: dict[str, Any] = {}
+    for i, state in enumerate(STATES):
+        rows = arrays["state"] == i
+        if not rows.any():
+            continue
+        out[state] = {"count": int(rows.sum())}
+        for name in SHAPES:
+            x = arrays[name][rows].astype(np.float64)
+            kinds = {"mean": x.mean(0), "std": x.std(0), "min": x.min(0), "max": x.max(0)}
+            out[state][name] = {k: np.round(v, 6).tolist() for k, v in kinds.items()}
+    return out

@@ -1,0 +1,1 @@
+"""What was decided about a take, beside its tape."""

@@ -1,0 +1,62 @@
+"""A take's table as its edits leave it: what is kept, and which human pose belongs to a tick."""
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.robot import a1
+from studio.takes.columns import Columns, columns
+from studio.takes.edit import edits as edit_log
+from studio.takes.edit.edits import Edits
+from studio.takes.library import SessionLibrary
+
+Array = NDArray[np.float64]
+
+
+def open_table(sessions: Path, name: str) -> tuple[Columns, Edits]:
+    """A take's table and edits, by name."""
+    folder = SessionLibrary(sessions).folder(name)
+    return columns(folder), edit_log.read_edits(folder).edits
+
+
+def kept(ticks: int, edits: Edits) -> NDArray[np.bool_]:
+    """(T,) which ticks the trim and the cuts leave."""
+    t = np.arange(ticks) / a1.CONTROL_HZ
+    start, end = edits.trim or (0.0, np.inf)
+    out = (t >= start - 1e-9) & (t < end - 1e-9)
+    for start, end in edits.cuts or ():
+        out &= (t < start - 1e-9) | (t > end + 1e-9)
+    return out
+
+
+def ends(table: Columns, edits: Edits) -> tuple[int, int]:
+    rows = np.flatnonzero(kept(len(table), edits))
+    return (int(rows[0]), int(rows[-1]) + 1) if len(rows) else (0, 0)
+
+
+def human_rows(ticks: NDArray[np.int64], edits: Edits) -> Array:
+    """Fractional row (…,) of the human that belongs to the robot at these ticks."""
+    shift = np.full(len(ticks), edits.lag or 0.0)
+    if edits.warp:
+        t, more = np.array(edits.warp).T
+        shift = shift + np.interp(ticks / a1.CONTROL_HZ, t, more)
+    return ticks + shift * a1.CONTROL_HZ
+
+
+def human_at(table: Columns, at: Array) -> tuple[Array, Array]:
+    """Joints (N, 19, 3) m and confidence (N, 19) at fractional rows (N,), linear between rows.
+
+    Beyond the take's ends its first and last pose stand; without a person NaN and 0.
+    """
+    at = np.clip(at, 0, len(table) - 1)
+    low = np.floor(at).astype(int)
+    high = np.minimum(low + 1, len(table) - 1)
+    first = int(low.min(initial=0))
+    rows = table.rows[first : int(high.max(initial=0)) + 1]
+    w = (at - low)[:, None, None]
+    pos, confidence = rows["human"], rows["confidence"]
+    return (
+        (1.0 - w) * pos[low - first] + np.where(w > 0.0, w * pos[high - first], 0.0),
+        np.minimum(confidence[low - first], confidence[high - first]).astype(np.float64),
+    )

@@ -1,0 +1,83 @@
+"""A take's folder from elsewhere into the sessions folder, whole or not at all."""
+
+import os
+import shutil
+import tempfile
+from collections.abc import Iterable
+from pathlib import Path
+
+from studio.errors import StudioError
+from studio.takes.edit.edits import EDITS
+from studio.takes.export.archive import unpack_takes
+from studio.takes.names import check_take, fit_name, take_folder
+from studio.takes.record.recorder import META, TAPE
+from studio.takes.take import survey_take
+
+SCRATCH = ".import-"
+"""Beginning of folders in which takes are made ready; no name of a take begins with a dot."""
+
+
+def add_take(root: Path, folder: Path, name: str | None = None, *, link: bool = False) -> str:
+    """Copy a take's folder from elsewhere into the folder `root`; its name here.
+
+    link: share the tape with the original, which is never written to again.
+    """
+    source = Path(folder)
+    if not link:
+        survey_take(source)  # refuses what is no take, or of another version
+    name = name or source.name
+    target = take_folder(root, check_take(name))
+    if target.exists():
+        raise StudioError(f"a take named {name} exists: give another name")
+    files = [source / f for f in (META, TAPE, EDITS) if (source / f).is_file()]
+    temporary = root / f"{SCRATCH}{os.getpid()}-{name}"
+    try:
+        temporary.mkdir(parents=True)
+        for file in files:
+            if link and file.name == TAPE:
+                _share(file, temporary / file.name)
+            else:
+                shutil.copyfile(file, temporary / file.name)
+        temporary.rename(target)
+    except OSError as error:
+        shutil.rmtree(temporary, ignore_errors=True)
+        raise StudioError(f"{source.name} was not imported: {error.strerror}") from error
+    return name
+
+
+def free_name(root: Path, wanted: str) -> str:
+    """`wanted`, made fit to be a take's name, with a number after it where it is taken."""
+    name = fit_name(wanted)
+    tried, number = name, 2
+    while os.path.lexists(root / tried):
+        tried, number = f"{name}-{number}", number + 1
+    return tried
+
+
+def add_all(root: Path, folders: Iterable[Path]) -> tuple[list[str], dict[str, str]]:
+    """Copy takes in under names that are free: (names here, {folder's name: why refused})."""
+    taken: list[str] = []
+    refused: dict[str, str] = {}
+    for folder in folders:
+        try:
+            taken.append(add_take(root, folder, free_name(root, folder.name)))
+        except StudioError as error:
+            refused[folder.name] = str(error)
+    return taken, refused
+
+
+def add_zip(root: Path, file: Path) -> tuple[list[str], dict[str, str]]:
+    """The takes in a zip, as `add_all`."""
+    try:
+        root.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=root) as scratch:
+            return add_all(root, unpack_takes(file, Path(scratch)))
+    except OSError as error:
+        raise StudioError(f"{file.name} was not imported: {error.strerror}") from error
+
+
+def _share(file: Path, target: Path) -> None:
+    try:
+        target.hardlink_to(file)
+    except OSError:  # a file system without links
+        shutil.copyfile(file, target)

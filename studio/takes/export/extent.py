@@ -1,0 +1,60 @@
+"""What of a take an export covers: the ticks that trim and cuts leave, the person in step."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.human.pose import HumanPose
+from studio.human.skeleton import NUM_JOINTS
+from studio.robot import a1
+from studio.takes.edit import edited
+from studio.takes.take import Take
+
+Array = NDArray[np.float64]
+
+
+def tick_range(take: Take) -> tuple[int, int]:
+    """First tick and one past the last of what the trim leaves."""
+    if take.edits.trim is None:
+        return 0, len(take)
+    start, end = (round(s * a1.CONTROL_HZ) for s in take.edits.trim)
+    return min(start, len(take)), min(end, len(take))
+
+
+def human_poses(take: Take) -> list[HumanPose]:
+    """The fresh human poses within the trim."""
+    start, end = tick_range(take)
+    used = [n for n in take.human_tick.tolist() if start <= n < end]
+    return [pose for n in used if (pose := take.ticks[n].human) is not None]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Extent:
+    """The N ticks an episode of learning covers, and who was seen in them.
+
+    tick: (N,). human: (N, 19, 3) m and confidence (N, 19), shifted and warped as the edits say;
+    zeros and confidence 0 where nobody was seen.
+    """
+
+    tick: NDArray[np.int64]
+    human: Array
+    confidence: Array
+
+
+def extent(take: Take) -> Extent:
+    """The ticks within the trim and outside the cuts, with the person who belongs to each."""
+    ticks = np.flatnonzero(edited.kept(len(take), take.edits))
+    human, confidence = np.zeros((len(ticks), NUM_JOINTS, 3)), np.zeros((len(ticks), NUM_JOINTS))
+    if take.human is not None and len(ticks):
+        at = np.clip(edited.human_rows(ticks, take.edits), 0, len(take) - 1)
+        low = np.floor(at).astype(int)
+        high = np.minimum(low + 1, len(take) - 1)
+        index = take.arrays.human_index
+        there = (index[low] >= 0) & (index[high] >= 0)
+        a, b = np.maximum(index[low], 0), np.maximum(index[high], 0)
+        w = (at - low)[:, None, None]
+        pos, sure = take.human.joint_pos_w, take.human.confidence
+        human = np.where(there[:, None, None], (1.0 - w) * pos[a] + w * pos[b], 0.0)
+        confidence = np.where(there[:, None], np.minimum(sure[a], sure[b]), 0.0)
+    return Extent(tick=ticks, human=human, confidence=confidence)

@@ -1,0 +1,92 @@
+"""Takes to files other programs read; one file per format, listed in FORMATS.
+
+Every export covers what the trim leaves and never changes the take. Formats for learning (pairs,
+lerobot, hdf5) and the replay leave cuts out too, and put the person in step with the robot.
+"""
+
+import shutil
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from studio.errors import StudioError, unknown_name
+from studio.takes.export.arrays import write_npz
+from studio.takes.export.bvh import write_human_bvh
+from studio.takes.export.extent import human_poses, tick_range
+from studio.takes.export.frames import write_frames
+from studio.takes.export.hdf5 import write_hdf5
+from studio.takes.export.html import write_html
+from studio.takes.export.lerobot import write_lerobot
+from studio.takes.export.pairs_table import write_pairs
+from studio.takes.export.rows import write_csv
+from studio.takes.take import Take
+
+__all__ = ["FORMATS", "Format", "export", "export_file", "human_poses", "tick_range"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Format:
+    """suffix: of its file or folder. write: takes and a path. several: more than one take fits.
+    folder: it is a folder of files. text: what it is for."""
+
+    suffix: str
+    write: Callable[[Sequence[Take], Path], None]
+    text: str
+    several: bool = False
+    folder: bool = False
+
+
+def _single(suffix: str, write: Callable[[Take, Path], None], text: str) -> Format:
+    return Format(suffix=suffix, write=lambda takes, path: write(takes[0], path), text=text)
+
+
+FORMATS: dict[str, Format] = {
+    "jsonl": _single(".jsonl", write_frames, "the person, a frame a line: opens as frames:FILE"),
+    "npz": _single(".npz", write_npz, "everything, as numpy arrays"),
+    "csv": _single(".csv", write_csv, "the robot, a row a tick"),
+    "bvh": _single(".bvh", write_human_bvh, "the person, for animation programs"),
+    "pairs": _single(".parquet", write_pairs, "training pairs, as Parquet"),
+    "lerobot": Format(
+        suffix=".lerobot",
+        write=write_lerobot,
+        text="LeRobotDataset v3.0 layout, an episode a take",
+        several=True,
+        folder=True,
+    ),
+    "hdf5": Format(
+        suffix=".hdf5", write=write_hdf5, text="robomimic's layout, a demo a take", several=True
+    ),
+    "html": _single(".html", write_html, "a replay in one file, for any browser"),
+}
+"""Formats by name."""
+
+
+def export(take: Take | Sequence[Take], format_name: str, path: Path) -> Path:
+    """Write takes in a format of FORMATS; `path` may be a folder to put it in. The file's path.
+
+    Raises StudioError for an unknown format, takes that do not fit it, and a full or read-only
+    disk.
+    """
+    takes = [take] if isinstance(take, Take) else list(take)
+    if format_name not in FORMATS:
+        raise unknown_name("format", format_name, FORMATS)
+    chosen = FORMATS[format_name]
+    if len(takes) != 1 and not (chosen.several and takes):
+        several = ", ".join(name for name, f in FORMATS.items() if f.several)
+        raise StudioError(f"{format_name} holds one take; several fit into {several}")
+    name = takes[0].name if len(takes) == 1 else f"{takes[0].name}-and-{len(takes) - 1}-more"
+    path = path / f"{name}{chosen.suffix}" if path.is_dir() else path
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        chosen.write(takes, path)
+    except OSError as error:
+        raise StudioError(f"cannot write {path}: {error.strerror or error}") from error
+    return path
+
+
+def export_file(take: Take | Sequence[Take], format_name: str, folder: Path) -> Path:
+    """The same as one file, for a download: a format that is a folder is packed into a zip."""
+    path = export(take, format_name, folder)
+    if not path.is_dir():
+        return path
+    return Path(shutil.make_archive(str(path), "zip", path.parent, path.name))

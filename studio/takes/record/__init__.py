@@ -1,0 +1,1 @@
+"""Ticks to tapes as they happen, and back."""

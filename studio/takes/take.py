@@ -1,0 +1,290 @@
+"""A take's folder back to what happened: ticks one by one, or arrays of all of them."""
+
+import logging
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.errors import StudioError
+from studio.human.pose import HumanClip, HumanPose
+from studio.robot import a1
+from studio.robot.pose import ReferencePose, RobotState
+from studio.takes.edit.edits import Edits, read_edits
+from studio.takes.record import codec
+from studio.takes.record.recorder import FORMAT_VERSION, META, TAPE, Recorder
+from studio.takes.record.tape import TapeScan, scan
+from studio.takes.stored import Count, Line, Name, Seconds, read_json
+from studio.takes.tick import Tick
+
+__all__ = ["Recorder", "Take", "TakeArrays", "iter_ticks", "read_meta", "read_take", "survey_take"]
+
+Array = NDArray[np.float64]
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class TakeArrays:
+    """A take as arrays over its T ticks; keys of `reference` and `robot` as in RobotState.
+
+    human_index: (T,) row of the take's `human` clip in use, -1 before the first.
+    expert, state, mode: a name per tick.
+    """
+
+    t: Array
+    index: NDArray[np.int64]
+    human_index: NDArray[np.int64]
+    reference: dict[str, Array]
+    robot: dict[str, Array]
+    action: Array
+    target: Array
+    expert: list[str]
+    state: list[str]
+    mode: list[str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Take:
+    """One recording, read whole.
+
+    meta: meta.json. edits: what was decided since (nothing below is trimmed or shifted by it).
+    ticks: every whole control period. human: the fresh poses, None if there were none, at their
+    source's own times counted from the first; human_tick: (M,) the tick that first used each.
+    complete: it was stopped properly. recovered: it was not, and this is what is left.
+    """
+
+    name: str
+    path: Path
+    meta: dict[str, Any]
+    edits: Edits
+    ticks: list[Tick]
+    human: HumanClip | None
+    human_tick: NDArray[np.int64]
+    complete: bool
+    recovered: bool
+    problems: tuple[str, ...]
+
+    def __len__(self) -> int:
+        return len(self.ticks)
+
+    @property
+    def seconds(self) -> float:
+        """Duration, s."""
+        return len(self.ticks) / a1.CONTROL_HZ
+
+    @property
+    def label(self) -> str:
+        """The present label."""
+        return self.meta.get("label", "") if self.edits.label is None else self.edits.label
+
+    @cached_property
+    def arrays(self) -> TakeArrays:
+        """The ticks as arrays."""
+        ticks = self.ticks
+        index = np.arange(len(ticks))
+        return TakeArrays(
+            t=np.array([tick.t for tick in ticks], dtype=np.float64),
+            index=np.array([tick.index for tick in ticks], dtype=np.int64),
+            human_index=np.searchsorted(self.human_tick, index, side="right") - 1,
+            reference=_stack([tick.reference for tick in ticks], codec.REFERENCE_SHAPES),
+            robot=_stack([tick.robot for tick in ticks], codec.ROBOT_SHAPES),
+            action=np.array([tick.action for tick in ticks]).reshape(-1, 12),
+            target=np.array([tick.target for tick in ticks]).reshape(-1, 12),
+            expert=[tick.expert for tick in ticks],
+            state=[tick.state for tick in ticks],
+            mode=[tick.mode for tick in ticks],
+        )
+
+
+def _stack(
+    poses: list[ReferencePose] | list[RobotState], shapes: dict[str, tuple[int, ...]]
+) -> dict[str, Array]:
+    return {
+        key: np.array([getattr(pose, key) for pose in poses]).reshape(-1, *shape)
+        for key, shape in shapes.items()
+    }
+
+
+class _Collected(msgspec.Struct):
+    task: Name = ""
+    state: Name = ""
+    operator: Name = ""
+    session: Name = ""
+
+
+class _About(msgspec.Struct):
+    source: Line = ""
+    style: Name = ""
+    robot: Name = ""
+    collect: _Collected | None = None
+
+
+class _Meta(msgspec.Struct):
+    """The types of what others read from meta.json; more may be in it."""
+
+    label: Line = ""
+    started: Name = ""
+    ticks: Count = 0
+    seconds: Seconds = 0.0
+    about: _About | None = None
+
+
+_meta = msgspec.json.Decoder(dict[str, Any])
+
+
+class MetaLost(StudioError):
+    """meta.json is missing or damaged: the tape can still be read."""
+
+
+def read_meta(folder: Path) -> dict[str, Any]:
+    """A take's meta.json; StudioError if it is missing, damaged or of another major version."""
+    try:
+        meta = read_json(folder / META, _meta)
+        version = meta["format_version"]
+        if version == FORMAT_VERSION:
+            msgspec.convert(meta, _Meta)
+    except (OSError, ValueError, KeyError, msgspec.MsgspecError) as error:
+        raise MetaLost(f"{META} of take {folder.name} is missing or damaged") from error
+    if version != FORMAT_VERSION:
+        by = str(meta.get("studio_version", "version unknown"))[:20]
+        raise StudioError(
+            f"take {folder.name} has format {str(version)[:20]}, this studio reads"
+            f" {FORMAT_VERSION}: open it with the a1-studio it was recorded with ({by}), export"
+            " the person there as BVH or JSON lines, and import that"
+        )
+    return meta
+
+
+@dataclass(frozen=True, kw_only=True)
+class Survey:
+    """What a tape holds, without holding it: fields as in Take."""
+
+    ticks: int
+    complete: bool
+    problems: tuple[str, ...]
+
+    @property
+    def seconds(self) -> float:
+        """Duration, s."""
+        return self.ticks / a1.CONTROL_HZ
+
+
+def survey_take(path: Path) -> Survey:
+    """Read a take's folder (or its tape) tick by tick, in bounded memory. Errors as `read_take`."""
+    folder, meta, problems = _open(path)
+    found = TapeScan()
+    count = sum(1 for _ in _assemble(folder / TAPE, found))
+    problems += _troubles(found, meta, count)
+    return Survey(ticks=count, complete=found.complete, problems=tuple(problems))
+
+
+def read_take(path: Path) -> Take:
+    """Read a take's folder (or its tape). A torn or damaged end is left out and told of.
+
+    Raises StudioError when nothing can be read: no take, no tape, another major version.
+    """
+    folder, meta, problems = _open(path)
+    found = TapeScan()
+    ticks: list[Tick] = []
+    human_tick: list[int] = []
+    for n, (tick, fresh) in enumerate(_assemble(folder / TAPE, found)):
+        ticks.append(tick)
+        if fresh:
+            human_tick.append(n)
+    problems += _troubles(found, meta, len(ticks))
+    log_edits = read_edits(folder)
+    return Take(
+        name=folder.name,
+        path=folder,
+        meta=meta,
+        edits=log_edits.edits,
+        ticks=ticks,
+        human=_clip(folder.name, ticks, human_tick),
+        human_tick=np.array(human_tick, dtype=np.int64),
+        complete=found.complete,
+        recovered=not found.complete,
+        problems=tuple(problems) + log_edits.problems,
+    )
+
+
+def _open(path: Path) -> tuple[Path, dict[str, Any], list[str]]:
+    """A take's folder, its meta.json ({} where it is lost), and what is wrong with that."""
+    folder = Path(path)
+    folder = folder.parent if folder.name == TAPE else folder
+    if not folder.is_dir():
+        raise StudioError(f"there is no take at {folder}")
+    try:
+        return folder, read_meta(folder), []
+    except MetaLost:
+        return folder, {}, [f"{META} is {'damaged' if (folder / META).exists() else 'missing'}"]
+
+
+def _troubles(found: TapeScan, meta: dict[str, Any], count: int) -> list[str]:
+    problems = []
+    if found.problem:
+        problems.append(found.problem)
+    elif not found.complete:
+        problems.append("it was not stopped properly")
+    asked = meta.get("ticks", count)
+    if asked != count:
+        problems.append(f"{asked} ticks were recorded, {count} can be read")
+    return problems
+
+
+def iter_ticks(path: Path, found: TapeScan | None = None) -> Iterator[Tick]:
+    """The whole ticks of a take's folder, one at a time, in bounded memory; then look at found."""
+    for tick, _ in _assemble(Path(path) / TAPE, found or TapeScan()):
+        yield tick
+
+
+def _assemble(tape: Path, found: TapeScan) -> Iterator[tuple[Tick, bool]]:
+    """Ticks, each with whether a new human pose came with it."""
+    human: HumanPose | None = None
+    fresh = False
+    reference: tuple[int, ReferencePose] | None = None
+    robot: tuple[int, RobotState] | None = None
+    for message in scan(tape, found):
+        try:
+            if message.topic == "human":
+                human, fresh = codec.decode_human(message.data), True
+            elif message.topic == "reference":
+                reference = message.sequence, codec.decode_reference(message.data)
+            elif message.topic == "robot":
+                robot = message.sequence, codec.decode_robot(message.data)
+            elif message.topic == "tick":
+                number = message.sequence
+                if reference is None or robot is None:
+                    raise ValueError("a stream is missing")
+                if reference[0] != number or robot[0] != number:
+                    raise ValueError("its streams do not belong together")
+                tick = codec.decode_tick(message.data, human, reference[1], robot[1])
+                if tick.human is None:
+                    human, fresh = None, False
+                yield tick, fresh
+                fresh = False
+        except (ValueError, OverflowError) as error:
+            found.complete = False
+            found.problem = f"tick {message.sequence} is damaged: {error}"
+            return
+
+
+def _clip(name: str, ticks: list[Tick], human_tick: list[int]) -> HumanClip | None:
+    poses = [ticks[n].human for n in human_tick]
+    poses = [pose for pose in poses if pose is not None]
+    if not poses:
+        return None
+    own = np.array([pose.t for pose in poses])
+    used = np.array(human_tick) / a1.CONTROL_HZ
+    # A source that was changed or looped runs backwards: then the time of use stands in.
+    t = own - own[0] if np.all(np.diff(own) > 0.0) else used - used[0]
+    return HumanClip(
+        name=name,
+        t=t,
+        joint_pos_w=np.array([pose.joint_pos_w for pose in poses]),
+        confidence=np.array([pose.confidence for pose in poses]),
+    )

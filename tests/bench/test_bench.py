@@ -1,0 +1,150 @@
+"""The bench measures real runs, and compares figures by where they stand."""
+
+import json
+import time
+
+import pytest
+
+from studio.bench import live as bench_live
+from studio.bench.run import BenchConfig, compare, percentiles, run_bench
+from studio.bench.takes import long_take, performed, takes_cost
+from studio.bench.training import (
+    environment_step,
+    in_turns,
+    mapper_growth,
+    physics_step,
+    training_rates,
+)
+from studio.errors import StudioError
+from studio.rl.bank import build_bank
+
+
+def test_percentiles_of_a_known_row():
+    import numpy as np
+
+    figures = percentiles(np.arange(101, dtype=float))
+    assert figures == {"p50": 50.0, "p95": 95.0, "p99": 99.0, "max": 100.0}
+
+
+def test_comparing_gives_the_ratio_of_every_figure_that_both_have():
+    now = {"machine": {"cores": 2}, "a": {"b": 3.0, "new": 1.0}, "rows": [{"x": 4}], "name": "n"}
+    earlier = {"machine": {"cores": 8}, "a": {"b": 2.0}, "rows": [{"x": 1}, {"x": 2}]}
+    assert compare(now, earlier) == {
+        "a.b": {"now": 3.0, "earlier": 2.0, "ratio": 1.5},
+        "rows.0.x": {"now": 4.0, "earlier": 1.0, "ratio": 4.0},
+    }
+
+
+def test_a_short_bench_names_the_machine_and_every_section_and_compares(tmp_path):
+    first = run_bench(BenchConfig(seconds=1.0, page=False, training=False, takes=False))
+    assert first["machine"]["cores"] >= 1
+    assert {"features", "selector", "mapper", "consistency", "controller", "inference"} <= set(
+        first["sections_ms"]
+    )
+    assert first["drive"]["times_real_time_cpu"] > 1.0
+    path = tmp_path / "before.json"
+    path.write_text(json.dumps(first))
+    second = run_bench(
+        BenchConfig(seconds=1.0, page=False, training=False, takes=False, compare=path)
+    )
+    assert second["compared"]["drive.seconds"]["ratio"] == pytest.approx(1.0)
+
+
+def test_an_unreadable_comparison_is_said_before_anything_is_measured(tmp_path):
+    with pytest.raises(StudioError, match="compare"):
+        run_bench(BenchConfig(compare=tmp_path / "nothing.json"))
+
+
+def test_what_is_compared_takes_turns_and_every_environment_counts():
+    order: list[str] = []
+
+    def takes(name: str, seconds: float):
+        return lambda: (order.append(name), time.sleep(seconds))
+
+    slow, quick = in_turns((takes("slow", 0.02), takes("quick", 0.01)), 16, 0.3, rounds=3)
+    assert slow == pytest.approx(16 / 0.02, rel=0.3)
+    assert quick == pytest.approx(16 / 0.01, rel=0.3)
+    changes = [name for k, name in enumerate(order[2:]) if order[k + 1] != name]
+    assert changes == ["slow", "quick"] * 3
+
+
+def test_physics_is_timed_of_robots_that_stand():
+    (rate,) = in_turns((physics_step(16),), 16, 0.2)
+    assert rate > 16.0 * 30.0  # quicker than real time
+
+
+@pytest.mark.slow
+def test_training_is_rated_by_environments_and_as_a_share_of_bare_physics(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # training keeps its banks under runs/
+    *rows, ppo = training_rates(
+        0.1, sizes=(2, 16), ppo_envs=8, ppo_samples=400, motions=1, rounds=2
+    )
+    assert [row["num_envs"] for row in rows] == [2, 16]
+    for row in rows:
+        assert row["environment_per_s"] > 30.0  # quicker than one robot in real time
+        assert row["environment_share"] == pytest.approx(
+            row["environment_per_s"] / row["physics_per_s"]
+        )
+    assert ppo["num_envs"] == 8
+    for name in ("ppo", "ppo_mirrored"):
+        assert ppo[f"{name}_per_s"] > 30.0
+        assert ppo[f"{name}_share"] == pytest.approx(ppo[f"{name}_per_s"] / ppo["physics_per_s"])
+        assert ppo[f"{name}_share"] < 1.0
+
+
+def test_a_rate_counts_every_robot_of_every_step():
+    bank = build_bank("sit", per_task=1, seconds=2.0, difficulties=(0.4, 1.0))
+    few, many = (in_turns((environment_step(n, bank),), n, 0.3)[0] for n in (2, 64))
+    assert many > 2.0 * few  # a step's overhead is shared
+
+
+@pytest.mark.slow
+def test_four_pages_get_thirty_updates_a_second_on_both_sockets():
+    done = bench_live.live(3.0)
+    for rate in (*done["updates_per_second"], *done["view_updates_per_second"]):
+        assert 24.0 < rate < 36.0
+    assert 0.0 < done["cpu_share_alone"] < done["cpu_share"] + 0.1
+
+
+def test_without_a_browser_the_loop_beside_one_is_skipped_and_says_so(monkeypatch):
+    monkeypatch.setattr(bench_live.shutil, "which", lambda _: None)
+    assert "install chromium" in bench_live.loop_beside_browser(1.0)["skipped"]
+
+
+@pytest.mark.browser
+def test_the_loop_keeps_ticking_beside_a_browser_that_draws_the_page(monkeypatch):
+    monkeypatch.setattr(bench_live, "WARM_UP", 1.0)
+    figures = bench_live.loop_beside_browser(3.0)
+    if "skipped" in figures:
+        pytest.skip(figures["skipped"])
+    assert figures["frames_drawn_per_second"] > 0.0
+    assert figures["frames"] > 30
+    assert 0.0 <= figures["period_error_ms"]["p50"] <= figures["period_error_ms"]["p95"]
+    assert figures["period_error_ms"]["p95"] <= figures["period_error_ms"]["p99"]
+
+
+@pytest.mark.slow
+def test_takes_are_listed_and_looked_at():
+    cost = takes_cost(takes=20, minutes=(0.1,))
+    assert cost["list"]["takes"] == 20
+    assert 0.0 < cost["list"]["p50_s"] < cost["list"]["first_s"] + 1.0
+    (look,) = cost["long"]
+    assert look["minutes"] == 0.1
+    assert {"append_us", "review_s", "review_own_mb", "seek_ms_p95", "window_ms_p95"} <= set(look)
+
+
+@pytest.mark.slow
+def test_ten_times_as_long_a_take_is_reviewed_in_the_same_memory_and_scrubbed_as_fast(tmp_path):
+    pattern = performed(10.0)
+    short, long = (long_take(tmp_path, pattern, minutes) for minutes in (1.5, 15.0))
+    assert long["review_own_mb"] < short["review_own_mb"] + 15.0
+    assert long["review_own_mb"] < 60.0
+    assert long["seek_ms_p95"] < 5.0
+    assert long["window_ms_p95"] < 50.0
+
+
+@pytest.mark.slow
+def test_training_grows_no_worse_than_linearly_with_pairs():
+    growth = mapper_growth(sizes=(500, 2_000, 8_000), epochs=5)
+    assert [row["pairs"] for row in growth["rows"]] == [500, 2_000, 8_000]
+    assert growth["exponent"] < 1.25  # 1 is linear; seconds of a busy machine wobble

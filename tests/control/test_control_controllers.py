@@ -1,0 +1,118 @@
+"""Every controller of the registry, and the policies' place in it."""
+
+import numpy as np
+import pytest
+
+from studio.control import trackers as controllers
+from studio.control.action import ActionConfig
+from studio.control.footing import with_velocity
+from studio.control.observation import ObservationConfig, level_quat
+from studio.control.policy import Policy, manifest_of
+from studio.control.trackers import CONTROLLERS, Situation, default_controller, open_controller
+from studio.control.trackers import policy as policy_room
+from studio.control.trackers.policy import PolicyTracker
+from studio.errors import StudioError
+from studio.reference.intent import STATES, StateName
+from studio.reference.stances import NEUTRAL
+from studio.robot.pose import ReferencePose, RobotState
+from studio.sim.world import World
+
+
+def a_policy(state: StateName, push: float = 0.1, **facts) -> Policy:
+    """A policy that adds push * scale to every joint of the reference, whatever it sees."""
+    dim = ObservationConfig().dim
+    zero = np.zeros((12, dim), np.float32)
+    tensors = {
+        "mean": np.zeros(dim, np.float32),
+        "std": np.ones(dim, np.float32),
+        "weight_0": zero,
+        "bias_0": np.full(12, push, np.float32),
+    }
+    manifest = manifest_of(
+        state,
+        ObservationConfig(),
+        ActionConfig(),
+        np.array(level_quat(state)),
+        NEUTRAL[state].joint_pos,
+        **facts,
+    )
+    return Policy(tensors, manifest)
+
+
+def policies_of_every_state(**changes: Policy) -> dict[StateName, Policy]:
+    policies: dict[StateName, Policy] = {state: a_policy(state) for state in STATES}
+    policies.update(changes)  # type: ignore[arg-type]
+    return policies
+
+
+@pytest.fixture
+def standing() -> tuple[ReferencePose, RobotState]:
+    return with_velocity(NEUTRAL["stand"], NEUTRAL["stand"]), World().reset(NEUTRAL["stand"])
+
+
+def at(standing: tuple[ReferencePose, RobotState], state: StateName, on_the_way=False) -> Situation:
+    reference, robot = standing
+    return Situation(reference=reference, robot=robot, state=state, in_transition=on_the_way)
+
+
+def test_every_controller_gives_twelve_finite_angles_in_every_state(
+    standing: tuple[ReferencePose, RobotState],
+):
+    for name in CONTROLLERS:
+        if name == "policy" and not policy_room.trained():
+            continue  # its own tests follow
+        tracker = open_controller(name)
+        assert tracker.name == name
+        for state in STATES:
+            tracker.reset(at(standing, state))
+            for in_transition in (False, True):
+                action = tracker.act(at(standing, state, in_transition))
+                assert action.shape == (12,)
+                assert np.isfinite(action).all()
+
+
+def test_the_default_is_policy_once_trained_and_pd_playback_until_then(monkeypatch, tmp_path):
+    monkeypatch.setattr(policy_room, "MODELS", tmp_path)
+    assert default_controller() == "pd_playback"
+    with pytest.raises(StudioError, match="train policy"):
+        open_controller("policy")
+    for state in STATES:
+        (tmp_path / f"{state}.safetensors").touch()
+        (tmp_path / f"{state}.json").touch()
+    assert default_controller() == "policy"
+
+
+def test_an_unknown_controller_is_answered_with_the_known_ones():
+    with pytest.raises(StudioError, match="stand_still"):
+        controllers.open_controller("telekinesis")
+
+
+def test_a_policys_residual_is_added_to_the_reference(standing: tuple[ReferencePose, RobotState]):
+    reference, _ = standing
+    tracker = PolicyTracker(policies_of_every_state())
+    action = tracker.act(at(standing, "stand", False))
+    # 0.1 * scale 0.25 = 0.025 rad on every joint
+    np.testing.assert_allclose(action, reference.joint_pos + 0.025, atol=1e-6)
+
+
+def test_the_destinations_policy_acts_in_a_transition_only_if_it_was_trained_on_them(
+    standing: tuple[ReferencePose, RobotState],
+):
+    reference, _ = standing
+    policies = policies_of_every_state(sit=a_policy("sit", transitions=True))
+    tracker = PolicyTracker(policies)
+    np.testing.assert_array_equal(tracker.act(at(standing, "walk", True)), reference.joint_pos)
+    into_sit = tracker.act(at(standing, "sit", True))
+    np.testing.assert_allclose(into_sit, reference.joint_pos + 0.025, atol=1e-6)
+
+
+def test_a_policy_that_takes_over_begins_with_a_history_of_the_present(
+    standing: tuple[ReferencePose, RobotState],
+):
+    policies = policies_of_every_state()
+    tracker = PolicyTracker(policies)
+    for _ in range(5):
+        tracker.act(at(standing, "stand", False))
+    tracker.act(at(standing, "walk", False))
+    history = policies["walk"].history
+    np.testing.assert_allclose(history.z[0], np.tile(history.z[0, -1], (4, 1)))

@@ -1,0 +1,190 @@
+"""Exports come back as what the take holds; imports become takes again."""
+
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+from acted_takes import acted_take, record
+from make_ticks import make_ticks
+
+from studio.errors import StudioError
+from studio.robot import a1
+from studio.takes import commands
+from studio.takes.dataset import datasets
+from studio.takes.dataset.pairs import take_pairs
+from studio.takes.edit import edited
+from studio.takes.export import formats as exports
+from studio.takes.library import SessionLibrary
+from studio.takes.take import Recorder, read_take
+
+LAG_FRAMES = 12
+
+
+@pytest.fixture(scope="module")
+def sessions(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    root = tmp_path_factory.mktemp("takes")
+    rng = np.random.default_rng(5)
+    for task in ("manipulate_left", "walk"):
+        acted = acted_take(task, rng, seconds=3.0, lag=0.4, fidgets=False, sensor="mocap")
+        record(acted, root, task, keep=True)
+    library = SessionLibrary(root)
+    library.edit("manipulate_left", lag=LAG_FRAMES / 30.0, trim=(1.0, 5.0), cuts=[[2.0, 3.0]])
+    return root
+
+
+def lasting(sessions: Path):
+    """The ticks that the trim and the cut leave, and the take."""
+    take = read_take(sessions / "manipulate_left")
+    return np.flatnonzero(edited.kept(len(take), take.edits)), take
+
+
+def test_pairs_export_holds_the_pairs(sessions: Path, tmp_path: Path):
+    file = Path(commands.export_take(sessions, "manipulate_left", "pairs", tmp_path)["file"])
+    found, arrays = take_pairs(SessionLibrary(sessions), "manipulate_left"), None
+    arrays = datasets.read_table(file)
+    for key, value in found.values.items():
+        np.testing.assert_array_equal(arrays[key], value)
+    np.testing.assert_array_equal(arrays["tick"], found.tick)
+    about = json.loads(pq.read_schema(file).metadata[b"a1_studio"])
+    assert about["lag"] == pytest.approx(0.4)
+    assert len(about["features"]) == arrays["q"].shape[1]
+
+
+def test_lerobot_export_has_the_layout_and_the_numbers(sessions: Path, tmp_path: Path):
+    answer = commands.export_take(sessions, "manipulate_left", "lerobot", tmp_path, more=("walk",))
+    root = Path(answer["file"])
+    info = json.loads((root / "meta/info.json").read_text())
+    assert info["codebase_version"] == "v3.0"
+    assert (info["fps"], info["total_episodes"], info["total_tasks"]) == (30, 2, 2)
+    data = pq.read_table(root / info["data_path"].format(chunk_index=0, file_index=0))
+    assert data.num_rows == info["total_frames"]
+    assert set(data.column_names) == set(info["features"])
+    for key, feature in info["features"].items():
+        kind = data.schema.field(key).type
+        if feature["shape"] != [1]:
+            assert kind.list_size == feature["shape"][0] == len(feature["names"])
+            kind = kind.value_type
+        assert str(kind).replace("float", "float32") == feature["dtype"] or str(kind) == "int64"
+    ticks, take = lasting(sessions)
+    n = len(ticks)
+    action = np.array(data["action"].to_pylist()[:n])
+    np.testing.assert_allclose(action, take.arrays.target[ticks], atol=1e-6)
+    assert take.human is not None
+    human = np.array(data["observation.human"].to_pylist()[:n]).reshape(n, 19, 3)
+    np.testing.assert_allclose(human, take.human.joint_pos_w[ticks + LAG_FRAMES], atol=1e-6)
+    episodes = pq.read_table(root / "meta/episodes/chunk-000/file-000.parquet").to_pylist()
+    assert [e["episode_index"] for e in episodes] == [0, 1]
+    assert (episodes[0]["dataset_from_index"], episodes[0]["dataset_to_index"]) == (0, n)
+    assert episodes[1]["dataset_to_index"] == data.num_rows
+    assert data["index"].to_pylist() == list(range(data.num_rows))
+    assert data["frame_index"].to_pylist()[n] == 0
+    assert data["timestamp"].to_pylist()[1] == pytest.approx(1 / 30)
+    tasks = pq.read_table(root / "meta/tasks.parquet")
+    assert tasks["task"].to_pylist() == ["manipulate_left", "walk"]
+    assert json.loads(tasks.schema.metadata[b"pandas"])["index_columns"] == ["task"]
+    stats = json.loads((root / "meta/stats.json").read_text())
+    whole = np.array(data["observation.state"].to_pylist())
+    np.testing.assert_allclose(stats["observation.state"]["mean"], whole.mean(0), atol=1e-5)
+    assert stats["observation.state"]["count"] == [data.num_rows]
+    with pytest.raises(StudioError, match="new folder"):
+        exports.FORMATS["lerobot"].write([take], root)
+
+
+def test_hdf5_export_has_robomimics_groups(sessions: Path, tmp_path: Path):
+    answer = commands.export_take(sessions, "manipulate_left", "hdf5", tmp_path, more=("walk",))
+    ticks, take = lasting(sessions)
+    with h5py.File(answer["file"]) as file:
+        data: Any = file["data"]
+        assert json.loads(data.attrs["env_args"])["env_name"] == "a1-studio"
+        assert sorted(data) == ["demo_0", "demo_1"]
+        demo = data["demo_0"]
+        assert demo.attrs["num_samples"] == len(ticks)
+        np.testing.assert_allclose(demo["actions"][()], take.arrays.target[ticks], atol=1e-6)
+        joints = demo["obs/robot_joint_pos"][()]
+        np.testing.assert_allclose(joints, take.arrays.robot["joint_pos"][ticks], atol=1e-6)
+        np.testing.assert_array_equal(demo["next_obs/robot_joint_pos"][:-1], joints[1:])
+        assert demo["dones"][()].tolist() == [0] * (len(ticks) - 1) + [1]
+        assert data.attrs["total"] == sum(len(data[d]["actions"]) for d in data)
+
+
+def test_html_export_is_one_file_that_asks_for_nothing(sessions: Path, tmp_path: Path):
+    SessionLibrary(sessions).edit("walk", label="</script><script>alert(1)</script>")
+    text = Path(commands.export_take(sessions, "walk", "html", tmp_path)["file"]).read_text()
+    SessionLibrary(sessions).undo("walk")
+    assert "http://" not in text
+    assert "https://" not in text
+    assert "src=" not in text.replace("default-src", "").replace("script-src", "")
+    assert "alert(1)</script>" not in text
+    start = text.index('type="application/json">') + len('type="application/json">')
+    data = json.loads(text[start : text.index("</script>", start)])
+    assert [f["title"] for f in data["figures"]] == ["person", "shown", "robot"]
+    assert len(data["states"]) == len(read_take(sessions / "walk"))
+
+
+@pytest.mark.parametrize("name", sorted(exports.FORMATS))
+def test_every_format_is_written_and_downloads_as_one_file(
+    name: str, sessions: Path, tmp_path: Path
+):
+    path = exports.export_file(read_take(sessions / "walk"), name, tmp_path)
+    assert path.is_file()
+    assert path.stat().st_size > 500
+    if path.suffix == ".zip":
+        assert any(n.endswith("meta/info.json") for n in zipfile.ZipFile(path).namelist())
+
+
+@pytest.mark.parametrize("name", sorted(exports.FORMATS))
+def test_every_format_refuses_what_it_cannot_hold_with_reasons(name: str, tmp_path: Path):
+    recorder = Recorder(tmp_path)
+    recorder.start(name="empty")
+    for tick in make_ticks(1):
+        recorder.append(tick)
+    recorder.close()
+    take = read_take(tmp_path / "empty")
+    if not exports.FORMATS[name].several:
+        with pytest.raises(StudioError, match="holds one take"):
+            exports.export([take, take], name, tmp_path)
+    (tmp_path / "in_the_way").write_text("a file, not a folder")
+    if not exports.FORMATS[name].folder:
+        with pytest.raises(StudioError, match="in_the_way"):
+            exports.export(take, name, tmp_path / "in_the_way" / "file")
+
+
+def test_a_person_from_a_file_becomes_a_take(sessions: Path, tmp_path: Path):
+    """Out as frames and as BVH, in again as the human side of a take, and onto a robot's take."""
+    from studio.mocap.imports import import_human
+
+    original = read_take(sessions / "walk")
+    assert original.human is not None
+    frames = commands.export_take(sessions, "walk", "jsonl", tmp_path)["file"]
+    other = tmp_path / "other"
+    answer = import_human(other, Path(frames))
+    take = read_take(other / answer["takes"][0])
+    assert take.human is not None
+    assert len(take) == len(original)
+    np.testing.assert_allclose(take.human.joint_pos_w, original.human.joint_pos_w, atol=2e-6)
+    # The robot stands by, in neutral.
+    assert np.ptp(take.arrays.reference["joint_pos"], axis=0).max() == 0.0
+
+    bvh = commands.export_take(sessions, "walk", "bvh", tmp_path)["file"]
+    answer = import_human(sessions, Path(bvh), name="acted-again", robot="walk")
+    take = read_take(sessions / answer["takes"][0])
+    np.testing.assert_allclose(
+        take.arrays.reference["joint_pos"], original.arrays.reference["joint_pos"], atol=2e-6
+    )
+    assert take.human is not None
+    n = min(len(take.human), len(original.human))
+    gap = np.linalg.norm(
+        (take.human.joint_pos_w - take.human.joint_pos_w[:, :1])[:n]
+        - (original.human.joint_pos_w - original.human.joint_pos_w[:, :1])[:n],
+        axis=-1,
+    )
+    assert np.median(gap) < 0.03
+    SessionLibrary(sessions).delete("acted-again")
+    with pytest.raises(StudioError, match="bvh"):
+        import_human(other, tmp_path / "motion.fbx")
+    assert a1.NUM_JOINTS == 12
