@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.geometry.transform import Rotation
+from scipy.spatial.transform import Rotation
 
 from studio import geometry
 

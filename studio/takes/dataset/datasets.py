@@ -23,7 +23,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from studio import __version__
+from studio import __version__, geometry
 from studio.errors import StudioError, unknown_name
 from studio.human import calibration, canonical, features, filters, posture, skeleton
 from studio.reference import contact, motion, stances
@@ -44,8 +44,8 @@ DATASETS, TABLE, MANIFEST = "datasets", "pairs.parquet", "manifest.json"
 FORMAT_VERSION = 1
 _CODE: tuple[ModuleType, ...] = (
     a1, alignment, calibration, canonical, codec, columns, contact, edited, features, filters,
-    kinematics, lag, legs, likelihood, motion, pairs, posture, single, skeleton, geometry, stances,
-    synchrony, take, tape,
+    geometry, kinematics, lag, legs, likelihood, motion, pairs, posture, single, skeleton,
+    stances, synchrony, take, tape,
 )  # fmt: skip
 _EDITS = ("trim", "cuts", "lag", "warp", "keep", "label")
 _TAKE = ("name", "tape", "edits")
