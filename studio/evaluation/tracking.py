@@ -175,7 +175,7 @@ def _code() -> str:
     """Changes with any code that a row depends on."""
     files = [
         f
-        for room in ("imitation", "reference", "robot", "sim")
+        for room in ("rl", "control", "reference", "robot", "sim")
         for f in (STUDIO / room).rglob("*.py")
     ]
     files += [STUDIO / "geometry.py", STUDIO / "evaluation" / "disturbed.py"]

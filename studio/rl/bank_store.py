@@ -15,8 +15,8 @@ from studio.reference.intent import StateName
 from studio.rl.bank import MotionBank, build_bank, task_names
 
 STUDIO = Path(__file__).resolve().parents[1]
-DRAWN_BY = ("bank", "controller", "crossing", "transition")
-"""This room's files that a bank's motions depend on."""
+DRAWN_BY = ("rl/bank", "rl/crossing", "control/controller", "control/transition")
+"""Files besides the reference's and the robot's that a bank's motions depend on."""
 
 
 def digest(files: Iterable[Path]) -> str:
@@ -58,7 +58,7 @@ def library_bank(folder: Path | None, state: StateName, **drawn: Any) -> MotionB
 def _library_digest() -> str:
     """Changes whenever the code that makes reference motions does."""
     files = [*(STUDIO / "reference").rglob("*.py"), *(STUDIO / "robot").glob("*.py")]
-    return digest(files + [STUDIO / "imitation" / f"{name}.py" for name in DRAWN_BY])
+    return digest(files + [STUDIO / f"{name}.py" for name in DRAWN_BY])
 
 
 def _read(file: Path) -> MotionBank:

@@ -32,7 +32,7 @@ DIMS, RANK = 16, 3
 more would let noise vote."""
 SAMPLES_HZ = 0.6
 """Independent samples in a second of motion, so few that `Alignment.certainty` claims no more than
-it holds (tests/recording/test_recording_lag.py)."""
+it holds (tests/takes/test_takes_lag.py)."""
 SPEED_HZ = 3.0
 """Of speeds: nothing faster was shown."""
 NOISE_M = 0.01
