@@ -60,7 +60,7 @@ def test_lerobot_export_has_the_layout_and_the_numbers(sessions: Path, tmp_path:
     root = Path(answer["file"])
     info = json.loads((root / "meta/info.json").read_text())
     assert info["codebase_version"] == "v3.0"
-    assert (info["fps"], info["total_episodes"], info["total_tasks"]) == (30, 2, 2)
+    assert (info["fps"], info["total_episodes"], info["total_tasks"]) == (30, 3, 2)
     data = pq.read_table(root / info["data_path"].format(chunk_index=0, file_index=0))
     assert data.num_rows == info["total_frames"]
     assert set(data.column_names) == set(info["features"])
@@ -72,44 +72,91 @@ def test_lerobot_export_has_the_layout_and_the_numbers(sessions: Path, tmp_path:
         assert str(kind).replace("float", "float32") == feature["dtype"] or str(kind) == "int64"
     ticks, take = lasting(sessions)
     n = len(ticks)
-    action = np.array(data["action"].to_pylist()[:n])
-    np.testing.assert_allclose(action, take.arrays.target[ticks], atol=1e-6)
+
+    def column(key: str) -> Any:
+        return np.array(data[key].to_pylist()[:n])
+
+    np.testing.assert_allclose(column("action"), take.arrays.target[ticks], atol=1e-6)
     assert take.human is not None
-    human = np.array(data["observation.human"].to_pylist()[:n]).reshape(n, 19, 3)
+    human = column("observation.human").reshape(n, 19, 3)
     np.testing.assert_allclose(human, take.human.joint_pos_w[ticks + LAG_FRAMES], atol=1e-6)
+    # The observation comes first: the robot of the tick before.
+    state, robot = column("observation.state"), take.arrays.robot
+    np.testing.assert_allclose(state[:, 7:19], robot["joint_pos"][ticks - 1], atol=1e-6)
+    np.testing.assert_allclose(state[:, 19:31], robot["joint_vel"][ticks - 1], atol=1e-5)
+    np.testing.assert_allclose(state[:, 34:37], robot["base_ang_vel_b"][ticks - 1], atol=1e-6)
+    person = column("observation.environment_state")
+    np.testing.assert_allclose(person[:, 0], human[:, 0, 2], atol=1e-6)
+    np.testing.assert_allclose(
+        person[:, 1:55].reshape(n, 18, 3), human[:, 1:] - human[:, :1], atol=1e-5
+    )
     episodes = pq.read_table(root / "meta/episodes/chunk-000/file-000.parquet").to_pylist()
-    assert [e["episode_index"] for e in episodes] == [0, 1]
-    assert (episodes[0]["dataset_from_index"], episodes[0]["dataset_to_index"]) == (0, n)
-    assert episodes[1]["dataset_to_index"] == data.num_rows
+    assert [e["episode_index"] for e in episodes] == [0, 1, 2]  # the cut parts the first take
+    bounds = [(e["dataset_from_index"], e["dataset_to_index"]) for e in episodes]
+    assert [b - a for a, b in bounds] == [e["length"] for e in episodes]
+    assert (bounds[0][0], bounds[1][1], bounds[2][1]) == (0, n, data.num_rows)
     assert data["index"].to_pylist() == list(range(data.num_rows))
     assert data["frame_index"].to_pylist()[n] == 0
     assert data["timestamp"].to_pylist()[1] == pytest.approx(1 / 30)
     tasks = pq.read_table(root / "meta/tasks.parquet")
-    assert tasks["task"].to_pylist() == ["manipulate_left", "walk"]
+    assert tasks["task"].to_pylist() == ["manipulate left", "walk"]
     assert json.loads(tasks.schema.metadata[b"pandas"])["index_columns"] == ["task"]
     stats = json.loads((root / "meta/stats.json").read_text())
     whole = np.array(data["observation.state"].to_pylist())
     np.testing.assert_allclose(stats["observation.state"]["mean"], whole.mean(0), atol=1e-5)
     assert stats["observation.state"]["count"] == [data.num_rows]
     with pytest.raises(StudioError, match="new folder"):
-        exports.FORMATS["lerobot"].write([take], root)
+        exports.export(take, "lerobot", root)
 
 
-def test_hdf5_export_has_robomimics_groups(sessions: Path, tmp_path: Path):
+def test_hdf5_export_is_what_robomimic_asks_for(sessions: Path, tmp_path: Path):
+    """As robomimic's get_dataset_info and SequenceDataset read it."""
     answer = commands.export_take(sessions, "manipulate_left", "hdf5", tmp_path, more=("walk",))
     ticks, take = lasting(sessions)
     with h5py.File(answer["file"]) as file:
         data: Any = file["data"]
-        assert json.loads(data.attrs["env_args"])["env_name"] == "a1-studio"
-        assert sorted(data) == ["demo_0", "demo_1"]
+        assert json.loads(data.attrs["env_args"])["type"] in (1, 2, 3)
+        demos = sorted(data, key=lambda name: int(name[5:]))
+        assert demos == ["demo_0", "demo_1", "demo_2"]  # the cut parts the first take
+        actions = np.concatenate([data[d]["actions_rad"] for d in demos[:2]])
+        np.testing.assert_allclose(actions, take.arrays.target[ticks], atol=1e-6)
+        mask: Any = file["mask"]
+        assert [name.decode() for name in mask["train"]] == demos[:2]
+        assert [name.decode() for name in mask["valid"]] == demos[2:]  # of another take
+        stats: Any = file["action_stats"]
+        for name in demos:
+            scaled = data[name]["actions"][()]
+            assert np.abs(scaled).max() <= 1.0
+            span = stats["upper"][()] - stats["lower"][()]
+            back = stats["lower"][()] + 0.5 * (scaled + 1.0) * span
+            np.testing.assert_allclose(back, data[name]["actions_rad"][()], atol=1e-5)
+        every = np.concatenate([data[d]["actions_rad"] for d in demos])
+        np.testing.assert_allclose(stats["mean"], every.mean(0), atol=1e-5)
+        np.testing.assert_allclose(stats["max"], every.max(0), atol=1e-6)
         demo = data["demo_0"]
-        assert demo.attrs["num_samples"] == len(ticks)
-        np.testing.assert_allclose(demo["actions"][()], take.arrays.target[ticks], atol=1e-6)
-        joints = demo["obs/robot_joint_pos"][()]
-        np.testing.assert_allclose(joints, take.arrays.robot["joint_pos"][ticks], atol=1e-6)
-        np.testing.assert_array_equal(demo["next_obs/robot_joint_pos"][:-1], joints[1:])
-        assert demo["dones"][()].tolist() == [0] * (len(ticks) - 1) + [1]
+        length = demo.attrs["num_samples"]
+        first = ticks[:length]
+        assert demo["dones"][()].tolist() == [0] * (length - 1) + [1]
+        robot = take.arrays.robot
+        for key, at in (("obs", first - 1), ("next_obs", first)):
+            joints = demo[f"{key}/robot_joint_pos"][()]
+            np.testing.assert_allclose(joints, robot["joint_pos"][at], atol=1e-6)
+        velocities = np.concatenate(
+            [robot[k] for k in ("base_lin_vel_w", "base_ang_vel_b", "joint_vel")], axis=1
+        )
+        np.testing.assert_allclose(demo["states"][:, 19:], velocities[first - 1], atol=1e-6)
         assert data.attrs["total"] == sum(len(data[d]["actions"]) for d in data)
+
+
+def test_of_one_demo_the_end_is_held_out(sessions: Path, tmp_path: Path):
+    path = commands.export_take(sessions, "walk", "hdf5", tmp_path)["file"]
+    with h5py.File(path) as file:
+        data: Any = file["data"]
+        mask: Any = file["mask"]
+        assert [list(mask[key]) for key in ("train", "valid")] == [[b"demo_0"], [b"demo_1"]]
+        lengths = [len(data[f"demo_{i}"]["actions"]) for i in (0, 1)]
+        assert lengths[1] == pytest.approx(0.1 * sum(lengths), abs=1)
+        assert sum(lengths) == len(read_take(sessions / "walk")) - 1
 
 
 def test_html_export_is_one_file_that_asks_for_nothing(sessions: Path, tmp_path: Path):

@@ -1,5 +1,6 @@
 """A take's table as its edits leave it: what is kept, and which human pose belongs to a tick."""
 
+from math import ceil
 from pathlib import Path
 
 import numpy as np
@@ -20,11 +21,19 @@ def open_table(sessions: Path, name: str) -> tuple[Columns, Edits]:
     return columns(folder), edit_log.read_edits(folder).edits
 
 
+def trimmed(ticks: int, edits: Edits) -> tuple[int, int]:
+    """First tick at or after the trim's start, and first at or after its end."""
+    if edits.trim is None:
+        return 0, ticks
+    start, end = (ceil(s * a1.CONTROL_HZ - 1e-6) for s in edits.trim)
+    return min(start, ticks), min(end, ticks)
+
+
 def kept(ticks: int, edits: Edits) -> NDArray[np.bool_]:
     """(T,) which ticks the trim and the cuts leave."""
     t = np.arange(ticks) / a1.CONTROL_HZ
-    start, end = edits.trim or (0.0, np.inf)
-    out = (t >= start - 1e-9) & (t < end - 1e-9)
+    out = np.zeros(ticks, dtype=bool)
+    out[slice(*trimmed(ticks, edits))] = True
     for start, end in edits.cuts or ():
         out &= (t < start - 1e-9) | (t > end + 1e-9)
     return out

@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from studio.human.pose import HumanPose
 from studio.human.skeleton import NUM_JOINTS
-from studio.robot import a1
 from studio.takes.edit import edited
 from studio.takes.take import Take
 
@@ -16,10 +15,7 @@ Array = NDArray[np.float64]
 
 def tick_range(take: Take) -> tuple[int, int]:
     """First tick and one past the last of what the trim leaves."""
-    if take.edits.trim is None:
-        return 0, len(take)
-    start, end = (round(s * a1.CONTROL_HZ) for s in take.edits.trim)
-    return min(start, len(take)), min(end, len(take))
+    return edited.trimmed(len(take), take.edits)
 
 
 def human_poses(take: Take) -> list[HumanPose]:

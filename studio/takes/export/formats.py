@@ -4,8 +4,10 @@ Every export covers what the trim leaves and never changes the take. Formats for
 lerobot, hdf5) and the replay leave cuts out too, and put the person in step with the robot.
 """
 
+import contextlib
+import os
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,18 +28,21 @@ __all__ = ["FORMATS", "Format", "export", "export_file", "human_poses", "tick_ra
 
 @dataclass(frozen=True, kw_only=True)
 class Format:
-    """suffix: of its file or folder. write: takes and a path. several: more than one take fits.
-    folder: it is a folder of files. text: what it is for."""
+    """suffix: of its file or folder. write: takes and a new path. several: more than one take fits.
+    folder: it is a folder of files. text: what it is, with its version, and what it is for."""
 
     suffix: str
-    write: Callable[[Sequence[Take], Path], None]
+    write: Callable[[Iterable[Take], Path], None]
     text: str
     several: bool = False
     folder: bool = False
 
 
 def _single(suffix: str, write: Callable[[Take, Path], None], text: str) -> Format:
-    return Format(suffix=suffix, write=lambda takes, path: write(takes[0], path), text=text)
+    def only(takes: Iterable[Take], path: Path) -> None:
+        write(next(iter(takes)), path)
+
+    return Format(suffix=suffix, write=only, text=text)
 
 
 FORMATS: dict[str, Format] = {
@@ -65,22 +70,39 @@ def export(take: Take | Sequence[Take], format_name: str, path: Path) -> Path:
     """Write takes in a format of FORMATS; `path` may be a folder to put it in. The file's path.
 
     Raises StudioError for an unknown format, takes that do not fit it, and a full or read-only
-    disk.
+    disk; then nothing is left behind.
     """
     takes = [take] if isinstance(take, Take) else list(take)
+    return export_all([take.name for take in takes], takes, format_name, path)
+
+
+def export_all(
+    names: Sequence[str], takes: Iterable[Take], format_name: str, path: Path, name: str = ""
+) -> Path:
+    """The same of takes that are read one after the other; name: of the file, in a folder."""
     if format_name not in FORMATS:
         raise unknown_name("format", format_name, FORMATS)
     chosen = FORMATS[format_name]
-    if len(takes) != 1 and not (chosen.several and takes):
+    if len(names) != 1 and not (chosen.several and names):
         several = ", ".join(name for name, f in FORMATS.items() if f.several)
         raise StudioError(f"{format_name} holds one take; several fit into {several}")
-    name = takes[0].name if len(takes) == 1 else f"{takes[0].name}-and-{len(takes) - 1}-more"
-    path = path / f"{name}{chosen.suffix}" if path.is_dir() else path
+    name = name or names[0] + (f"-and-{len(names) - 1}-more" if len(names) > 1 else "")
+    inside = path.is_dir() and not (chosen.folder and path.suffix == chosen.suffix)
+    path = path / f"{name}{chosen.suffix}" if inside else path
+    if chosen.folder and path.is_dir() and any(path.iterdir()):
+        raise StudioError(f"{path} is there already: choose a new folder")
+    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        chosen.write(takes, path)
+        chosen.write(takes, temporary)
+        temporary.replace(path)
     except OSError as error:
         raise StudioError(f"cannot write {path}: {error.strerror or error}") from error
+    finally:
+        if temporary.is_dir():
+            shutil.rmtree(temporary, ignore_errors=True)
+        with contextlib.suppress(OSError):
+            temporary.unlink(missing_ok=True)
     return path
 
 
