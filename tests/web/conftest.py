@@ -1,4 +1,4 @@
-"""A whole studio on a loopback port: loop, inner viser, gateway, in this process."""
+"""A whole studio on a loopback port: loop, inner viser, gateway, in this process; a browser."""
 
 import threading
 import time
@@ -7,6 +7,7 @@ from pathlib import Path
 
 import httpx
 import pytest
+from browsing import chromium
 
 from studio.options import ServeConfig
 from studio.web.serve import studio
@@ -100,3 +101,20 @@ def studio_live(studio_at):
     client.post("/api/mode", json={"mode": "live"})
     client.post("/api/state", json={"state": "auto"})
     return studio_at
+
+
+@pytest.fixture(scope="module")
+def browsing():
+    """A Chromium for the tests of one file; `browsing.page` gives a page."""
+    with chromium() as browsing:
+        yield browsing
+
+
+@pytest.fixture(autouse=True)
+def no_complaint_of_the_page(request):
+    """Every browser test fails on an error in the console, or on a warning of ours."""
+    yield
+    if "browsing" in request.fixturenames:
+        browsing = request.getfixturevalue("browsing")
+        problems, browsing.problems[:] = list(browsing.problems), []
+        assert problems == []

@@ -1,11 +1,12 @@
 """Collecting in a real browser: takes, a repair, a mapper of them, and the robot that follows."""
 
-import shutil
 import time
 
 import numpy as np
 import pytest
-from test_web_page import FLAGS, RENDERED, Served, closest, errors
+from browsing import PATIENCE, click, drawn, until
+from rendered import RENDERED, closest, errors
+from served import Served
 
 from studio.synthetic.follower import FollowingOperator
 
@@ -13,8 +14,6 @@ pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 SEED = 2
 """A person who reacts slowly."""
-PATIENCE = 180.0
-"""s: software WebGL on a busy machine draws a frame a second."""
 
 
 @pytest.fixture
@@ -28,43 +27,10 @@ def served(tmp_path):
 
 
 @pytest.fixture
-def page(served):
+def page(browsing, served):
     """The page in Chromium, its view drawn."""
-    sync_api = pytest.importorskip("playwright.sync_api")
-    path = shutil.which("chromium") or shutil.which("google-chrome")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        page = browser.new_page(viewport={"width": 1100, "height": 700})
-        problems: list[str] = []
-        page.on("pageerror", lambda error: problems.append(str(error)))
-        page.set_default_timeout(1000 * PATIENCE)
-        page.goto(served.url)
-        until(page, "() => document.querySelector('#veil')?.classList.contains('gone')")
-        yield page
-        assert problems == []
-        browser.close()
-
-
-def until(page, true: str, seconds: float = PATIENCE):
-    """The first value of a function of the page that is true; a page this busy is asked seldom."""
-    deadline = time.monotonic() + seconds
-    while not (value := page.evaluate(true)):
-        assert time.monotonic() < deadline, true
-        time.sleep(0.25)
-    return value
-
-
-def click(page, selector: str) -> None:
-    """Press a button that can be pressed, without waiting for it to stop moving on the screen."""
-    able = """(s) => {
-      const b = document.querySelector(s);
-      return b && !b.disabled && b.offsetParent !== null;
-    }"""
-    deadline = time.monotonic() + PATIENCE
-    while not page.evaluate(able, selector):
-        assert time.monotonic() < deadline, selector
-        time.sleep(0.25)
-    page.evaluate("(s) => document.querySelector(s).click()", selector)
+    with browsing.page(served, 1100, 700) as page:
+        yield drawn(page)
 
 
 def test_takes_are_collected_repaired_learnt_from_and_the_new_mapper_drives(page, served):

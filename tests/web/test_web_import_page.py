@@ -9,14 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from acted_takes import acted_take, record
-from test_web_collect_page import click, until
-from test_web_page import FLAGS, Served
+from browsing import click, drawn, until
+from served import Served
 
 from studio.takes.export.bvh import write_bvh
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(600)]
-
-PATIENCE = 120.0
 
 
 @pytest.fixture(scope="module")
@@ -65,22 +63,12 @@ def served(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def page(served):
-    sync_api = pytest.importorskip("playwright.sync_api")
-    path = shutil.which("chromium") or shutil.which("google-chrome")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        page = browser.new_page(viewport={"width": 1300, "height": 900})
-        problems: list[str] = []
-        page.on("pageerror", lambda error: problems.append(str(error)))
-        page.set_default_timeout(1000 * PATIENCE)
-        page.goto(served.url)
-        until(page, "() => document.querySelector('#veil')?.classList.contains('gone')")
+def page(browsing, served):
+    with browsing.page(served, 1300, 900) as page:
+        drawn(page)
         click(page, '#mode [data-mode="collect"]')
         until(page, "() => document.body.dataset.work === 'collect'")
         yield page
-        assert problems == []
-        browser.close()
 
 
 def settled(page, count: int) -> list[tuple[str, str, str]]:
@@ -170,11 +158,12 @@ def test_one_flaw_is_cut_out_by_its_button_and_undone(page, served, tmp_path):
     click(page, "#bench-close")
 
 
-def test_what_cannot_be_imported_says_why_and_leaves_nothing(page, served, files):
+def test_what_cannot_be_imported_says_why_and_leaves_nothing(page, served, browsing, files):
     before = takes(served)
     named = ("tomorrow.zip", "torn.zip", "broken.bvh")
-    page.set_input_files("#import-files", [str(files / name) for name in named])
-    rows = {name: (kind, said) for name, kind, said in settled(page, 3)}
+    with browsing.expecting("status of 422"):
+        page.set_input_files("#import-files", [str(files / name) for name in named])
+        rows = {name: (kind, said) for name, kind, said in settled(page, 3)}
     assert {kind for kind, _ in rows.values()} == {"import failed"}
     assert "has format 2, this studio reads 1" in rows["tomorrow.zip"][1]
     assert "s no zip that can be read" in rows["torn.zip"][1]

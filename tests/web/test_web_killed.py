@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from test_web_page import Served
+from served import Served
 
 from studio.takes.library import SessionLibrary
 

@@ -151,7 +151,7 @@ function list() {
         onchange: (e) => { ticks.set(take.name, { kept: take.kept, on: e.target.checked }); pickTakes(picked()); } }),
       el("div", { class: "name", title: take.name }, el("b", {}, (take.label || take.name).replaceAll("_", " ")),
         el("span", {}, `${(take.trim ? take.trim[1] - take.trim[0] : take.seconds).toFixed(1)} s${take.lag ? ` · lag ${take.lag.toFixed(2)} s` : ""}${take.recovered ? " · recovered" : ""}`)),
-      score == null ? el("em", {}, badge === "rejected" ? "redone" : "") : el("em", { class: "score", style: `--s:${score}`, title: "Quality" }, String(score)),
+      score == null ? el("em", {}, badge === "rejected" ? "redone" : "") : el("em", { class: "score", style: { "--s": score }, title: "Quality" }, String(score)),
       el("button", { title: "Scrub, trim, align, judge", onclick: () => openReview(take.name) }, "Review"));
   });
   $("#collected").replaceChildren(...(takes.length ? rows : [el("li", { class: "empty" }, "Nothing yet. What you act out appears here.")]));
@@ -175,7 +175,7 @@ async function refreshMap() {
       toast(`Two takes of ${p.task.replaceAll("_", " ")} are in the plan`, "good");
     }) }, "+ Record"))));
   const bins = (axis) => axis.counts.map((n, i) => el("i", {
-    style: `--v:${Math.min(1, n / map.enough).toFixed(2)}`,
+    class: n ? "" : "none", style: { "--v": Math.min(1, n / map.enough).toFixed(2) },
     title: `${axis.edges[i]} to ${axis.edges[i + 1]} ${axis.unit}: ${n} frames`,
   }));
   const axisRow = (axis) => el("div", { class: "axis" }, el("span", {}, capital(axis.name)), el("div", { class: "bins" }, ...bins(axis)));

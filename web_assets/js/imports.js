@@ -10,7 +10,7 @@ const WANTED = "folders of takes, a .zip of them, a .bvh or human frames (.jsonl
 let busy = Promise.resolve();
 
 export const importZone = () => el("div", { class: "imports" },
-  el("label", { class: "dropzone slim", id: "import-zone", tabindex: 0 },
+  el("label", { class: "dropzone slim", id: "import-zone" },
     el("input", { type: "file", id: "import-files", multiple: true, accept: ".zip,.bvh,.jsonl,.json,.ndjson,.mcap", "aria-label": "Import takes or motions",
       onchange: (event) => chosen(event.target) }),
     el("b", {}, "Import takes"), el("span", {}, "drop a folder, zip, BVH or frames, or click")),

@@ -8,6 +8,8 @@ export function el(tag, attributes = {}, ...children) {
   for (const [key, value] of Object.entries(attributes)) {
     if (key.startsWith("on")) node.addEventListener(key.slice(2), value);
     else if (key === "class") node.className = value;
+    // Our content policy refuses a style attribute; what a script sets is let through.
+    else if (key === "style") for (const [name, what] of Object.entries(value)) node.style.setProperty(name, what);
     else if (value === true) node.setAttribute(key, "");
     else if (value !== false && value != null) node.setAttribute(key, value);
   }

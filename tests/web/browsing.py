@@ -1,0 +1,103 @@
+"""Pages in a real Chromium whose every complaint is kept, and how a busy page is waited for."""
+
+import shutil
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+from served import Served
+
+FLAGS = [
+    "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    "--ignore-gpu-blocklist", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+]  # fmt: skip
+PATIENCE = 180.0
+"""s: software WebGL on a busy machine draws a frame a second."""
+
+
+class Browsing:
+    """A Chromium (Debian's, or Playwright's own), and what its pages had to complain of.
+
+    `problems`: each error of any page and frame, each warning of our own code, each request to
+    anybody but the studio. viser's own warnings, in the framed view, are not ours to mend.
+    """
+
+    def __init__(self, browser: Any) -> None:
+        self.browser = browser
+        self.problems: list[str] = []
+
+    @contextmanager
+    def page(self, served: Served, width: int, height: int) -> Iterator[Any]:
+        """A page of `served` in a context of its own, `width` by `height` pixels, being opened."""
+        context = self.browser.new_context(
+            viewport={"width": width, "height": height}, color_scheme="dark"
+        )
+        page = context.new_page()
+        ours = (served.base, f"ws://127.0.0.1:{served.port}", "data:", "blob:")
+        page.on("pageerror", lambda error: self.problems.append(str(error)))
+        page.on("console", lambda message: self._said(message, served.base))
+        page.on(
+            "request",
+            lambda r: None if r.url.startswith(ours) else self.problems.append(f"asked {r.url}"),
+        )
+        page.set_default_timeout(1000 * PATIENCE)
+        page.goto(served.url)
+        yield page
+        context.close()  # before its server goes, which it would complain of
+
+    def _said(self, message: Any, base: str) -> None:
+        url = message.location.get("url", "")
+        ours = url.startswith(base) and not url.startswith(f"{base}/view")
+        if message.type == "error" or (message.type == "warning" and ours):
+            self.problems.append(f"{message.type}: {message.text} ({url})")
+
+    @contextmanager
+    def expecting(self, words: str) -> Iterator[None]:
+        """What is done here makes a browser complain, with these words, as it should."""
+        before = len(self.problems)
+        yield
+        new = self.problems[before:]
+        assert any(words in problem for problem in new), new
+        self.problems[before:] = [problem for problem in new if words not in problem]
+
+
+@contextmanager
+def chromium() -> Iterator[Browsing]:
+    """A Chromium for as long as it lasts."""
+    sync_api = pytest.importorskip("playwright.sync_api")
+    path = shutil.which("chromium") or shutil.which("google-chrome")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        yield Browsing(browser)
+        browser.close()
+
+
+def drawn(page: Any) -> Any:
+    """The page, once its 3-D view shows the figures."""
+    until(page, "() => document.querySelector('#veil')?.classList.contains('gone')")
+    return page
+
+
+def until(page: Any, true: str, seconds: float = PATIENCE) -> Any:
+    """The first value of a function of the page that is true; a page this busy is asked seldom."""
+    deadline = time.monotonic() + seconds
+    while not (value := page.evaluate(true)):
+        assert time.monotonic() < deadline, true
+        time.sleep(0.25)
+    return value
+
+
+def click(page: Any, selector: str) -> None:
+    """Press a button that can be pressed, without waiting for it to stop moving on the screen."""
+    able = """(s) => {
+      const b = document.querySelector(s);
+      return b && !b.disabled && b.offsetParent !== null;
+    }"""
+    deadline = time.monotonic() + PATIENCE
+    while not page.evaluate(able, selector):
+        assert time.monotonic() < deadline, selector
+        time.sleep(0.25)
+    page.evaluate("(s) => document.querySelector(s).click()", selector)
