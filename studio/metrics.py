@@ -149,6 +149,18 @@ def distance_m(base_pos: ArrayLike) -> float:
     return float(np.sum(np.linalg.norm(np.diff(_array(base_pos)[:, :2], axis=0), axis=-1)))
 
 
+def net_distance_m(base_pos: ArrayLike) -> float:
+    """m over the ground from the first to the last of (T, 3): what of `distance_m` is no wobble."""
+    pos = _array(base_pos)[:, :2]
+    return float(np.linalg.norm(pos[-1] - pos[0])) if len(pos) else 0.0
+
+
+def heading_change_deg(base_quat: ArrayLike) -> float:
+    """Degrees the heading of (T, 4) turned in all, left positive; whole turns count."""
+    yaw = np.unwrap(geometry.heading(base_quat))
+    return float(np.degrees(yaw[-1] - yaw[0])) if len(yaw) else 0.0
+
+
 def mean_speed_m_s(base_pos: ArrayLike, dt: float) -> float:
     """`distance_m` over the time it took, m/s; 0 for fewer than two periods."""
     steps = len(_array(base_pos)) - 1

@@ -90,9 +90,20 @@ def test_limit_violations_count_periods_with_the_stated_tolerances():
     assert count == 4
 
 
+def test_a_change_of_heading_counts_whole_turns_to_the_left():
+    yaw = np.radians([10.0, 100.0, 190.0, 280.0, 370.0, 450.0])
+    quats = geometry.quat_from_rpy(np.stack([0.0 * yaw, 0.0 * yaw, yaw], axis=-1))
+    assert metrics.heading_change_deg(quats) == pytest.approx(440.0)
+    assert metrics.heading_change_deg(quats[::-1]) == pytest.approx(-440.0)
+    assert metrics.heading_change_deg(quats[:1]) == 0.0
+
+
 def test_distance_is_the_path_over_the_ground_and_speed_its_rate():
     base = np.array([[0.0, 0, 0.3], [3.0, 4.0, 0.1], [0.0, 0.0, 0.3]])
     assert metrics.distance_m(base) == pytest.approx(10.0)  # there and back
+    assert metrics.net_distance_m(base) == pytest.approx(0.0)
+    assert metrics.net_distance_m(base[:2]) == pytest.approx(5.0)
+    assert metrics.net_distance_m(base[:1]) == 0.0
     assert metrics.mean_speed_m_s(base, 0.5) == pytest.approx(10.0)  # in 2 periods of 0.5 s
     assert metrics.mean_speed_m_s(base[:1], 0.5) == 0.0
 

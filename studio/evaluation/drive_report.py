@@ -107,6 +107,8 @@ def _physics(ticks: list[Tick]) -> dict[str, Any]:
         "reference_foot_skate_m_s": metrics.foot_skate_m_s(ref_feet, ref_contact, CONTROL_DT),
         "contact_f1": metrics.contact_f1(contact, ref_contact),
         "distance_m": metrics.distance_m(base),
+        "net_distance_m": metrics.net_distance_m(base),
+        "heading_change_deg": metrics.heading_change_deg(quat),
         "mean_speed_m_s": metrics.mean_speed_m_s(base, CONTROL_DT),
         "inference_ms": {"p50": p50, "p95": p95, "p99": p99, "max": float(inference.max())},
     }
@@ -126,6 +128,8 @@ _NOTHING: dict[str, Any] = {
     "reference_foot_skate_m_s": 0.0,
     "contact_f1": 1.0,
     "distance_m": 0.0,
+    "net_distance_m": 0.0,
+    "heading_change_deg": 0.0,
     "mean_speed_m_s": 0.0,
     "inference_ms": {"p50": 0.0, "p95": 0.0, "p99": 0.0, "max": 0.0},
 }

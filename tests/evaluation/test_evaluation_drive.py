@@ -21,7 +21,7 @@ KEYS = {
     "tilt_deg", "base_height_m", "paw_height_m", "max_joint_speed_deg_s", "clipped_share",
     "limit_violations", "joint_rmse_deg", "orientation_error_deg", "foot_error_m",
     "foot_skate_m_s", "reference_foot_skate_m_s", "contact_f1", "distance_m", "mean_speed_m_s",
-    "inference_ms", "rejected_frames",
+    "inference_ms", "rejected_frames", "net_distance_m", "heading_change_deg",
 }  # fmt: skip
 
 

@@ -15,11 +15,13 @@ import zstandard
 from make_ticks import make_ticks
 
 from studio.errors import StudioError
+from studio.mocap.take import TakeSource
 from studio.takes import commands
 from studio.takes.columns import columns
 from studio.takes.dataset.datamap import DataMap
-from studio.takes.edit import edits, review
+from studio.takes.edit import edited, edits, review
 from studio.takes.export import archive
+from studio.takes.export.formats import FORMATS
 from studio.takes.library import SessionLibrary
 from studio.takes.record import tape
 from studio.takes.record.codec import SCHEMAS
@@ -190,6 +192,64 @@ def test_a_damaged_meta_json_costs_what_it_says_and_no_tick(sessions: Path, meta
     assert any("meta.json" in problem for problem in bad.problems)
     review.review(SessionLibrary(sessions), "bad")
     good_lives(sessions)
+
+
+def empty(root: Path, name: str) -> None:
+    """A take that was stopped before its first tick."""
+    recorder = Recorder(root)
+    recorder.start(name=name)
+    recorder.close()
+
+
+@pytest.mark.parametrize("format", sorted(FORMATS))
+def test_an_empty_take_is_refused_by_every_export_in_one_line(tmp_path: Path, format: str):
+    empty(tmp_path, "empty")
+    if format in ("npz", "csv"):
+        return  # a table may have no row
+    with pytest.raises(StudioError, match=r"no tick|no human motion"):
+        commands.export_take(tmp_path, "empty", format, tmp_path / "out")
+    assert not (tmp_path / "out").exists() or not list((tmp_path / "out").iterdir())
+
+
+def test_an_empty_take_hurts_neither_review_nor_map_nor_training(tmp_path: Path):
+    empty(tmp_path, "empty")
+    for ask in (
+        lambda: edited.open_table(tmp_path, "empty"),
+        lambda: review.review(SessionLibrary(tmp_path), "empty"),
+        lambda: commands.align_take(tmp_path, "empty"),
+        lambda: commands.clean_take(tmp_path, "empty"),
+        lambda: commands.split_take(tmp_path, "empty", 1.0),
+        lambda: commands.dataset_takes(tmp_path, ("empty",)),
+        lambda: TakeSource("empty", tmp_path),
+    ):
+        with pytest.raises(StudioError):
+            ask()
+    DataMap(tmp_path).as_dict()
+    assert commands.show_take(tmp_path, "empty")["ticks"] == 0
+
+
+@pytest.mark.parametrize(
+    ("seconds", "changes", "why"),
+    [
+        (0.9, {}, "no state was held for 30 ticks"),
+        (4.0, {"keep": False}, "rejected"),
+        (4.0, {"trim": (0.0, 0.3)}, "all is cut"),
+    ],
+)
+def test_a_take_without_pairs_says_why(
+    tmp_path: Path, seconds: float, changes: dict[str, Any], why: str
+):
+    recorder = Recorder(tmp_path)
+    recorder.start(name="short", about={"collect": {"state": "walk"}})
+    for tick in make_ticks(round(seconds * 30)):
+        recorder.append(tick)
+    recorder.close()
+    if changes:
+        edits.edit(tmp_path / "short", **changes)
+    with pytest.raises(StudioError, match=why):
+        commands.export_take(tmp_path, "short", "pairs", tmp_path)
+    with pytest.raises(StudioError, match=why):
+        commands.dataset_takes(tmp_path, ("short",))
 
 
 def _record(opcode: int, data: bytes) -> bytes:

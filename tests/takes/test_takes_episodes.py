@@ -11,7 +11,8 @@ from studio.errors import StudioError
 from studio.evaluation.drive import DriveConfig, run_drive
 from studio.takes.edit.edits import edit
 from studio.takes.export.episodes import episodes, words
-from studio.takes.export.extent import tick_range
+from studio.takes.export.extent import steady_human, tick_range
+from studio.takes.export.formats import export
 from studio.takes.export.lerobot import NAMES, features
 from studio.takes.record.recorder import Recorder
 from studio.takes.take import Take, read_take
@@ -100,3 +101,29 @@ def test_a_takes_words_are_its_label_its_note_or_what_was_collected(tmp_path: Pa
     edit(tmp_path / "a", label="wave with the_left hand")
     assert words(read_take(tmp_path / "a")) == "wave with the left hand"
     assert words(recorded(tmp_path, "b", make_ticks(3))) == "free motion"
+
+
+def test_a_pause_lasts_as_long_in_a_bvh_as_it_did(tmp_path: Path):
+    """gap_of_3_s.jsonl: 2 s, nothing for 3 s, 2 s more."""
+    ticks = []
+    for tick in make_ticks(210):
+        seen = tick.index < 60 or tick.index >= 150
+        human = tick.human if seen else ticks[-1].human
+        ticks.append(replace(tick, human=human, human_fresh=seen))
+    take = recorded(tmp_path, "gap", ticks)
+    export(take, "bvh", tmp_path / "gap.bvh")
+    lines = (tmp_path / "gap.bvh").read_text().splitlines()
+    start = lines.index("MOTION")
+    assert lines[start + 1 : start + 3] == ["Frames: 210", "Frame Time: 0.03333333"]
+    rows = lines[start + 3 :]
+    assert len(rows) == 210
+    assert set(rows[59:150]) == {rows[59]}  # held
+    edit(tmp_path / "gap", trim=(1.0, 6.0))
+    assert len(steady_human(read_take(tmp_path / "gap"))) == 150
+
+
+def test_a_slow_sensors_poses_are_joined_by_straight_lines(tmp_path: Path):
+    take = recorded(tmp_path, "slow", make_ticks(40, human_every=4))
+    joints = steady_human(take)
+    np.testing.assert_allclose(joints[2], 0.5 * (joints[0] + joints[4]), atol=1e-6)
+    assert len(joints) == 40

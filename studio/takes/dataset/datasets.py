@@ -32,7 +32,7 @@ from studio.robot import a1, kinematics, legs, single
 from studio.takes import columns, take
 from studio.takes.align import alignment, lag, likelihood, synchrony
 from studio.takes.dataset import pairs
-from studio.takes.dataset.pairs import SHAPES, Pairs, settled, take_pairs, walked_in
+from studio.takes.dataset.pairs import SHAPES, Pairs, settled, take_pairs, walked_in, why_none
 from studio.takes.edit import edited
 from studio.takes.edit.edits import Edits
 from studio.takes.library import SessionLibrary
@@ -208,9 +208,7 @@ def _write(
                 rows.append(_about(found, use))
         arrays = read_table(temporary / TABLE)
         if not len(arrays["tick"]):
-            raise StudioError(
-                "there is no pair in these takes: nobody was seen, or all was rejected or cut"
-            )
+            raise StudioError(_why_none(library, list(known), made_from["states"]))
         manifest = made_from | {
             "version": version,
             "made": datetime.now().astimezone().isoformat(timespec="seconds"),
@@ -230,6 +228,13 @@ def _write(
         raise StudioError(f"the data set was not written: {error.strerror}") from error
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
+
+
+def _why_none(library: SessionLibrary, names: list[str], states: list[str]) -> str:
+    if any(len(take_pairs(library, name)) for name in names):
+        return f"there is no pair of {', '.join(states)} in these takes: ask for other states"
+    more = f" (and none in {len(names) - 1} more)" if len(names) > 1 else ""
+    return why_none(library, names[0]) + more
 
 
 def _about(found: Pairs, use: NDArray[np.bool_]) -> dict[str, Any]:

@@ -103,6 +103,27 @@ def take_pairs(library: SessionLibrary, name: str, known: tuple[Edits, str] | No
     )
 
 
+def why_none(library: SessionLibrary, name: str) -> str:
+    """Why there is no pair in a take, in one line."""
+    table, edits = columns(library.folder(name)), settled(library, name)[0]
+    seen = _seen(table, edited.human_rows(np.arange(len(table)), edits))
+    of = states_of(table, _meta(library, name).get("about") or {})
+    known = np.isin(of, STATES)
+    if not len(table):
+        why = "it holds no tick that could be read"
+    elif edits.keep is False:
+        why = "it was rejected"
+    elif not seen.any():
+        why = "nobody was seen"
+    elif not (known & seen).any():
+        why = f"nothing says that it shows one of {', '.join(STATES)}"
+    elif not stretches(of, seen):
+        why = f"no state was held for {LEAST} ticks ({LEAST / a1.CONTROL_HZ:g} s) in sight"
+    else:
+        why = f"all is cut but the first {SETTLE} ticks of a state"
+    return f"take {name} has no pairs: {why}"
+
+
 def _meta(library: SessionLibrary, name: str) -> dict[str, Any]:
     try:
         return read_meta(library.folder(name))

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.errors import StudioError
 from studio.robot import a1
 from studio.takes.columns import Columns, columns
 from studio.takes.edit import edits as edit_log
@@ -16,9 +17,12 @@ Array = NDArray[np.float64]
 
 
 def open_table(sessions: Path, name: str) -> tuple[Columns, Edits]:
-    """A take's table and edits, by name."""
+    """A take's table and edits, by name. StudioError for a take without ticks, too."""
     folder = SessionLibrary(sessions).folder(name)
-    return columns(folder), edit_log.read_edits(folder).edits
+    table = columns(folder)
+    if not len(table):
+        raise StudioError(f"take {name} holds no tick that could be read: delete it")
+    return table, edit_log.read_edits(folder).edits
 
 
 def trimmed(ticks: int, edits: Edits) -> tuple[int, int]:

@@ -16,7 +16,7 @@ from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.human.skeleton import INDEX, JOINTS, PARENTS
 from studio.robot import a1
-from studio.takes.export.extent import human_poses
+from studio.takes.export.extent import human_poses, steady_human
 from studio.takes.take import Take
 
 Array = NDArray[np.float64]
@@ -125,16 +125,21 @@ assert INDEX["pelvis"] == 0, "the root of the hierarchy is the first joint"
 
 
 def write_human_bvh(take: Take, path: Path) -> None:
-    """The human as a BVH at the mean rate of the poses."""
-    poses = some_poses(take)
-    seconds = poses[-1].t - poses[0].t
-    dt = seconds / (len(poses) - 1) if len(poses) > 1 and seconds > 0.0 else a1.CONTROL_DT
-    write_bvh(path, np.array([pose.joint_pos_w for pose in poses]), dt)
+    """The human as a BVH at 30 Hz, a frame a tick: a pause lasts as long as it did."""
+    joints = steady_human(take)
+    if not len(joints):
+        raise StudioError(nobody(take))
+    write_bvh(path, joints, a1.CONTROL_DT)
 
 
 def some_poses(take: Take) -> list[HumanPose]:
     """The fresh poses within the trim; StudioError when there are none."""
     poses = human_poses(take)
     if not poses:
-        raise StudioError(f"take {take.name} has no human motion to export; try npz or csv")
+        raise StudioError(nobody(take))
     return poses
+
+
+def nobody(take: Take) -> str:
+    """Why there is no person to export."""
+    return f"take {take.name} has no human motion to export; try npz or csv"

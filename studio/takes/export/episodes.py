@@ -64,7 +64,7 @@ def episodes(take: Take) -> list[Episode]:
     begun = _goes_on(take)[part.tick]
     tick = part.tick[begun]
     if not len(tick):
-        raise StudioError(f"nothing is left of take {take.name}: widen its trim")
+        raise StudioError(nothing_left(take))
     robot, reference = take.arrays.robot, take.arrays.reference
     whole = Episode(
         tick=tick,
@@ -77,6 +77,13 @@ def episodes(take: Take) -> list[Episode]:
     )
     breaks = np.flatnonzero(np.diff(tick) != 1) + 1
     return [whole[rows] for rows in np.split(np.arange(len(tick)), breaks)]
+
+
+def nothing_left(take: Take) -> str:
+    """Why there is nothing to export."""
+    if not len(take):
+        return f"take {take.name} holds no tick that could be read: nothing is left to export"
+    return f"nothing is left of take {take.name}: widen its trim, or undo its cuts"
 
 
 def _goes_on(take: Take) -> NDArray[np.bool_]:

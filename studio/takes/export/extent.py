@@ -12,6 +12,9 @@ from studio.takes.take import Take
 
 Array = NDArray[np.float64]
 
+HELD = 6
+"""Ticks (0.2 s): what is seen less often than that paused."""
+
 
 def tick_range(take: Take) -> tuple[int, int]:
     """First tick and one past the last of what the trim leaves."""
@@ -23,6 +26,22 @@ def human_poses(take: Take) -> list[HumanPose]:
     start, end = tick_range(take)
     used = [n for n in take.human_tick.tolist() if start <= n < end]
     return [pose for n in used if (pose := take.ticks[n].human) is not None]
+
+
+def steady_human(take: Take) -> Array:
+    """(N, 19, 3) m: the person at each tick of the trim from the first in which they were seen.
+
+    Between poses that are at most HELD apart on the straight line, in longer pauses as seen last.
+    """
+    if take.human is None:
+        return np.zeros((0, NUM_JOINTS, 3))
+    start, end = tick_range(take)
+    ticks = np.arange(max(start, int(take.human_tick[0])), end)
+    low = take.arrays.human_index[ticks]
+    high = np.minimum(low + 1, len(take.human_tick) - 1)
+    since, wait = ticks - take.human_tick[low], take.human_tick[high] - take.human_tick[low]
+    w = np.where((wait > 0) & (wait <= HELD), since / np.maximum(wait, 1), 0.0)[:, None, None]
+    return (1.0 - w) * take.human.joint_pos_w[low] + w * take.human.joint_pos_w[high]
 
 
 @dataclass(frozen=True, kw_only=True)

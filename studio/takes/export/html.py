@@ -12,6 +12,7 @@ from studio.errors import StudioError
 from studio.human.skeleton import PARENTS
 from studio.robot import a1, kinematics
 from studio.robot.legs import link_frames_w
+from studio.takes.export.episodes import nothing_left
 from studio.takes.export.extent import extent
 from studio.takes.export.replay_page import PAGE
 from studio.takes.take import Take
@@ -28,7 +29,7 @@ def write_html(take: Take, path: Path) -> None:
     """Person, shown motion and simulated robot, side by side: play, scrub, speed, turn the view."""
     part = extent(take)
     if not len(part.tick):
-        raise StudioError(f"nothing is left of take {take.name}: widen its trim")
+        raise StudioError(nothing_left(take))
     step = max(1, -(-len(part.tick) // MOST_FRAMES))
     tick = part.tick[::step]
     figures = []

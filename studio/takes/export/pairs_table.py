@@ -10,16 +10,17 @@ from studio.human.features import FEATURE_NAMES
 from studio.reference.intent import STATES
 from studio.robot import a1
 from studio.takes.dataset.datasets import code_version, table_of
-from studio.takes.dataset.pairs import take_pairs
+from studio.takes.dataset.pairs import take_pairs, why_none
 from studio.takes.library import SessionLibrary
 from studio.takes.take import Take
 
 
 def write_pairs(take: Take, path: Path) -> None:
     """Columns of `datasets.schema`; the file's metadata names them. StudioError without a pair."""
-    found = take_pairs(SessionLibrary(take.path.parent), take.name)
+    library = SessionLibrary(take.path.parent)
+    found = take_pairs(library, take.name)
     if not len(found):
-        raise StudioError(f"take {take.name} has no pairs: nobody was seen, or all is cut")
+        raise StudioError(why_none(library, take.name))
     about = {
         "take": take.name,
         "label": found.label,
