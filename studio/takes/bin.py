@@ -1,6 +1,7 @@
 """Takes thrown away, `.bin` in the sessions folder: nothing is lost until somebody empties it."""
 
 import os
+import shutil
 from datetime import datetime
 from pathlib import Path
 
@@ -10,9 +11,23 @@ from studio.takes.names import take_folder
 BIN = ".bin"
 
 
+def _place(root: Path, folder: Path) -> Path:
+    return root / BIN / f"{folder.name}.{datetime.now():%Y%m%d-%H%M%S-%f}"
+
+
+def keep_copy(root: Path, folder: Path) -> Path:
+    """A copy of a take in the bin, before it is changed; where it lies."""
+    target = _place(root, folder)
+    try:
+        return Path(shutil.copytree(folder, target, ignore=shutil.ignore_patterns("*.tmp")))
+    except (OSError, shutil.Error) as error:
+        shutil.rmtree(target, ignore_errors=True)
+        raise StudioError(f"take {folder.name} could not be copied first: {error}") from error
+
+
 def throw(root: Path, folder: Path) -> Path:
     """Move a take's folder into the bin; where it lies now."""
-    target = root / BIN / f"{folder.name}.{datetime.now():%Y%m%d-%H%M%S-%f}"
+    target = _place(root, folder)
     try:
         target.parent.mkdir(exist_ok=True)
         folder.rename(target)

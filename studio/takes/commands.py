@@ -13,6 +13,7 @@ from studio.takes.export.adding import add_all
 from studio.takes.export.formats import export
 from studio.takes.library import SessionLibrary
 from studio.takes.record.recorder import TAPE
+from studio.takes.record.repair import repair
 
 
 def list_takes(sessions: Path) -> dict[str, Any]:
@@ -127,6 +128,15 @@ def restore_take(sessions: Path, name: str) -> dict[str, Any]:
 def verify_takes(sessions: Path, name: str | None = None) -> dict[str, Any]:
     """{"takes": […]}; a take with "readable" false is what exit status 1 is for."""
     return {"takes": SessionLibrary(sessions).verify(name)}
+
+
+def repair_take(sessions: Path, name: str) -> dict[str, Any]:
+    """Make a take whole whose recording was killed or whose files are damaged, for any reader.
+
+    The take as it was goes to the bin; one that is whole is left alone.
+    """
+    library = SessionLibrary(sessions)
+    return repair(library.root, library.folder(name))
 
 
 def delete_take(sessions: Path, name: str) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 import json
 import zipfile
+from collections import Counter
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +11,11 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 from acted_takes import acted_take, record
+from google.protobuf.descriptor_pb2 import FileDescriptorSet
+from google.protobuf.descriptor_pool import DescriptorPool
+from google.protobuf.message_factory import GetMessageClass
 from make_ticks import make_ticks
+from mcap.reader import make_reader
 
 from studio.errors import StudioError
 from studio.robot import a1
@@ -235,3 +240,37 @@ def test_a_person_from_a_file_becomes_a_take(sessions: Path, tmp_path: Path):
     with pytest.raises(StudioError, match="bvh"):
         import_human(other, tmp_path / "motion.fbx")
     assert a1.NUM_JOINTS == 12
+
+
+def test_mcap_export_shows_three_figures_on_one_clock(sessions: Path, tmp_path: Path):
+    """Read by mcap's own reader; protobuf decoded with nothing but the schemas in the file."""
+    path = commands.export_take(sessions, "manipulate_left", "mcap", tmp_path)["file"]
+    take = read_take(sessions / "manipulate_left")
+    start, end = exports.tick_range(take)
+    counts: Counter[str] = Counter()
+    first: dict[str, Any] = {}
+    with Path(path).open("rb") as file:
+        reader = make_reader(file, validate_crcs=True)
+        for schema, channel, message in reader.iter_messages():
+            assert schema is not None
+            assert message.log_time == message.publish_time
+            counts[channel.topic] += 1
+            if channel.message_encoding == "protobuf" and channel.topic not in first:
+                pool = DescriptorPool()
+                for each in FileDescriptorSet.FromString(schema.data).file:
+                    pool.Add(each)
+                kind = GetMessageClass(pool.FindMessageTypeByName(schema.name))
+                first[channel.topic] = kind.FromString(message.data)
+    assert counts["/tick"] == counts["/tf"] == counts["/scene"] == end - start
+    assert counts["/human"] > 0.9 * (end - start)
+    scene, cloud, frames = (first[topic] for topic in ("/scene", "/points/person", "/tf"))
+    assert [entity.frame_id for entity in scene.entities] == ["person", "reference", "robot"]
+    assert take.human is not None
+    points = [[p.x, p.y, p.z] for p in scene.entities[0].lines[0].points]
+    np.testing.assert_allclose(points, take.human.joint_pos_w[start], atol=1e-6)
+    assert len(scene.entities[2].lines[0].indices) % 2 == 0
+    assert len(cloud.data) % cloud.point_stride == 0
+    names = {t.child_frame_id: t for t in frames.transforms}
+    assert {"person", "reference", "robot", "robot/FR_calf", "reference/trunk"} <= set(names)
+    trunk, base = names["robot/trunk"].translation, take.arrays.robot["base_pos"][start]
+    np.testing.assert_allclose([trunk.x, trunk.y, trunk.z], base, atol=1e-9)

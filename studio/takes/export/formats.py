@@ -19,6 +19,7 @@ from studio.takes.export.frames import write_frames
 from studio.takes.export.hdf5 import write_hdf5
 from studio.takes.export.html import write_html
 from studio.takes.export.lerobot import write_lerobot
+from studio.takes.export.mcap import write_mcap
 from studio.takes.export.pairs_table import write_pairs
 from studio.takes.export.rows import write_csv
 from studio.takes.take import Take
@@ -46,6 +47,7 @@ def _single(suffix: str, write: Callable[[Take, Path], None], text: str) -> Form
 
 
 FORMATS: dict[str, Format] = {
+    "mcap": _single(".mcap", write_mcap, "MCAP 0: every stream, and figures for viewers"),
     "jsonl": _single(".jsonl", write_frames, "the person, a frame a line: opens as frames:FILE"),
     "npz": _single(".npz", write_npz, "everything, as numpy arrays"),
     "csv": _single(".csv", write_csv, "the robot, a row a tick"),

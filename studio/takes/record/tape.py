@@ -178,9 +178,10 @@ def _unpack(record: bytes, left: int) -> bytes:
     return plain
 
 
-def rewrite_chunked(path: Path, schemas: dict[str, bytes]) -> None:
+def rewrite_chunked(path: Path, schemas: dict[str, bytes], ticks: int | None = None) -> None:
     """Replace a tape by its compressed, indexed form: temporary file, fsync, rename.
 
+    ticks: how many of its ticks are kept (all by default), where the end may be torn.
     Whatever interrupts it, either the old or the new tape is there whole. Raises OSError.
     """
     temporary = path.with_name(path.name + ".tmp")
@@ -188,7 +189,7 @@ def rewrite_chunked(path: Path, schemas: dict[str, bytes]) -> None:
         with temporary.open("wb") as file:
             writer = TapeWriter(file, schemas, chunked=True)
             for message in scan(path, TapeScan()):
-                if message.topic in schemas:
+                if message.topic in schemas and (ticks is None or message.sequence < ticks):
                     writer.write(message)
             writer.finish()
         temporary.replace(path)
