@@ -7,6 +7,8 @@ period and says what to show and whether a take begins or ends; `collecting.Coll
 from dataclasses import dataclass, field
 from typing import Literal
 
+from pydantic import BaseModel, ConfigDict, Field
+
 from studio.errors import StudioError, unknown_name
 from studio.live.shown import PlanItem, ShownMotion
 from studio.reference.intent import Intent, StateName
@@ -22,17 +24,18 @@ HANDS_FREE_REVIEW_S = 4.0
 HANDS_FREE_READY_S = 1.5
 
 
-@dataclass(frozen=True, kw_only=True)
-class CollectPlan:
+class CollectPlan(BaseModel):
     """What to collect. operator: who acts. notes: about the session. preview: show each motion
-    once before it is recorded. hands_free: go on without buttons. seed: of the motions."""
+    once before it is recorded. hands_free: go on without buttons. seed: of the motions, a new one
+    if left out."""
 
+    model_config = ConfigDict(frozen=True)
     items: tuple[PlanItem, ...]
-    operator: str = "me"
-    notes: str = ""
+    operator: str = Field(default="me", min_length=1, max_length=60)
+    notes: str = Field(default="", max_length=4000)
     preview: bool = True
     hands_free: bool = False
-    seed: int = 0
+    seed: int | None = Field(default=None, ge=0)
 
 
 @dataclass(frozen=True, kw_only=True)

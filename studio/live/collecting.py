@@ -72,14 +72,19 @@ class Collector:
     def act(self, action: str) -> dict[str, Any]:
         """One of collect.ACTIONS; what became of which take."""
         machine = self.machine
-        if action == "go" and self.recorder.recording is not None:
-            raise StudioError(f"take {self.recorder.recording} is being recorded: stop it first")
+        if action == "go":
+            self.refuse_while_recording()
         judges = machine.phase == "review" and action in ("keep", "redo", "next")
         machine.act(action)
         self.why = ""
         if not judges or self.take is None:
             return {}
         return self._judge(action)
+
+    def refuse_while_recording(self) -> None:
+        """StudioError while a take is recorded."""
+        if self.recorder.recording is not None:
+            raise StudioError(f"take {self.recorder.recording} is being recorded: stop it first")
 
     def abort(self, why: str) -> None:
         """Something else needs the robot: a running take is thrown away."""

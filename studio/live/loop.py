@@ -12,8 +12,7 @@ from studio.errors import StudioError
 from studio.live import commands as c
 from studio.live.clock import Clock, Metronome, WallClock
 from studio.live.mailbox import BoundedQueue, Latest
-from studio.live.opened import SessionConfig, prepared
-from studio.live.session import Session
+from studio.live.session import Session, SessionConfig
 from studio.live.state import state_dict
 from studio.takes.tick import Tick
 
@@ -29,11 +28,12 @@ OVERRUN_WINDOW, OVERRUN_SHARE = 30, 0.8
 class _Request:
     """A command on its way, and its answer on the way back.
 
-    seen: how many stops had been answered when it was sent.
+    seen: how many stops had been answered when it was sent. prepared: what it needs to be applied.
     """
 
-    command: Any
+    command: c.Command
     seen: int
+    prepared: Any = None
     done: threading.Event = field(default_factory=threading.Event)
     result: c.Result = field(default_factory=lambda: c.Result(ok=False, why="not answered"))
 
@@ -74,7 +74,7 @@ class LiveLoop:
 
     # From any thread ----------------------------------------------------------------------------
 
-    def submit(self, command: Any, timeout: float = 8.0, seen: int | None = None) -> c.Result:
+    def submit(self, command: c.Command, timeout: float = 8.0, seen: int | None = None) -> c.Result:
         """Have a command applied; waits until after the tick that did, at most `timeout` s.
 
         What takes long (opening a source, reading a take) happens here, on the caller's thread.
@@ -84,10 +84,10 @@ class LiveLoop:
         """
         seen = self.stops if seen is None else seen
         try:
-            command = prepared(self.session, command)
+            prepared = command.prepare(self.session)
         except StudioError as error:
             return c.Result(ok=False, why=str(error), state=self.state_dict())
-        request = _Request(command=command, seen=seen)
+        request = _Request(command=command, seen=seen, prepared=prepared)
         queue = self._stops if isinstance(command, c.Stop) else self._requests
         if not queue.put(request):
             return c.Result(ok=False, why="too many commands wait: try again", state=self._state)
@@ -95,7 +95,7 @@ class LiveLoop:
             return c.Result(ok=False, why="the control loop did not answer", state=self._state)
         return request.result
 
-    def post(self, command: Any) -> bool:
+    def post(self, command: c.Command) -> bool:
         """Have a command applied at the next tick, without waiting; False when too many wait."""
         queue = self._stops if isinstance(command, c.Stop) else self._requests
         return queue.put(_Request(command=command, seen=self.stops))
@@ -199,10 +199,10 @@ class LiveLoop:
 
     def _apply(self, request: _Request, now: float) -> c.Result:
         command = request.command
-        if isinstance(command, c.RELEASES) and request.seen < self.session.safety.stops:
+        if command.releases and request.seen < self.session.safety.stops:
             return c.Result(ok=False, why="a stop came after this was sent: send it again")
         try:
-            return c.Result(ok=True, data=self.session.apply(command, now))
+            return c.Result(ok=True, data=command.apply(self.session, now, request.prepared))
         except StudioError as error:
             return c.Result(ok=False, why=str(error))
         except Exception as error:

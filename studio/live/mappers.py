@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from studio.control.command import PuppeteerConfig
-from studio.errors import StudioError, unknown_name
-from studio.live.commands import SetMapper, SetStyle
-from studio.retarget.store import Experts, load_experts, read_experts
+from studio.errors import unknown_name
+from studio.retarget.store import Experts, read_experts
 from studio.takes.names import check_name
 
 FOLDER, SIDECAR = "mappers", "mapper.json"
+SHIPPED = "shipped"
+"""The name of those that come with the studio."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,9 +36,9 @@ class Mappers:
     def as_dict(self) -> dict[str, Any]:
         """The key `mapper` of GET /api/state: name, style, and the name before, if there is one."""
         return {
-            "name": self.now.name or "shipped",
+            "name": self.now.name or SHIPPED,
             "style": self.now.experts.style,
-            "before": None if self.before is None else self.before.name or "shipped",
+            "before": None if self.before is None else self.before.name or SHIPPED,
         }
 
 
@@ -59,21 +59,14 @@ def list_mappers(sessions: Path) -> list[dict[str, Any]]:
     return sorted(found, key=lambda about: str(about.get("made", "")))
 
 
-def open_mapper(
-    sessions: Path, config: PuppeteerConfig, mappers: Mappers, command: SetMapper | SetStyle
-) -> OpenedMapper:
-    """Read what `command` asks for, on the caller's thread. StudioError if there is no such."""
-    if isinstance(command, SetStyle):
-        return OpenedMapper(name=None, experts=load_experts(command.style))
-    if command.back:
-        if mappers.before is None:
-            raise StudioError("there is no mapper to go back to: none was swapped in yet")
-        return mappers.before
-    if command.name is None or command.name == "shipped":
-        return OpenedMapper(name=None, experts=load_experts(config.style))
-    folder = mapper_folder(sessions, command.name)
+def open_mapper(sessions: Path, name: str, style: str) -> OpenedMapper:
+    """Read a trained mapper, on the caller's thread. style: of one that does not say its own.
+
+    StudioError if there is none of that name.
+    """
+    folder = mapper_folder(sessions, name)
     if not (folder / SIDECAR).is_file():
-        known = ["shipped", *(about["name"] for about in list_mappers(sessions))]
-        raise unknown_name("mapper", command.name, known)
-    style = str(json.loads((folder / SIDECAR).read_text()).get("style", config.style))
-    return OpenedMapper(name=command.name, experts=read_experts(folder, style))
+        known = [SHIPPED, *(about["name"] for about in list_mappers(sessions))]
+        raise unknown_name("mapper", name, known)
+    style = str(json.loads((folder / SIDECAR).read_text()).get("style", style))
+    return OpenedMapper(name=name, experts=read_experts(folder, style))

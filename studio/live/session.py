@@ -1,19 +1,19 @@
 """What the control loop owns and commands act on: source, puppeteer, safety, recorder, replay."""
 
 import logging
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
 
+from studio.control.command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.human.calibration import Calibration, calibrate
-from studio.live import applying
 from studio.live.collect import Step
 from studio.live.collecting import Acting, Collector
-from studio.live.mappers import Mappers
-from studio.live.opened import OpenedSource, SessionConfig, open_for
-from studio.live.reading import Reading
-from studio.live.replay import Replay
+from studio.live.mappers import SHIPPED, Mappers, OpenedMapper
+from studio.live.replay import Playback, Replay
 from studio.live.safety import Safety, Situation
+from studio.live.source import OpenedSource, Reading, open_for
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.robot.pose import ReferencePose
@@ -21,14 +21,20 @@ from studio.sources import Source
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
 
-if TYPE_CHECKING:
-    from studio.live.playback import Playback
-
 log = logging.getLogger(__name__)
 
 
+@dataclass(frozen=True, kw_only=True)
+class SessionConfig:
+    """source: a spec of contract.md. sessions: where takes are. puppeteer: how to drive."""
+
+    source: str = "operator"
+    sessions: Path = Path("sessions")
+    puppeteer: PuppeteerConfig = field(default_factory=PuppeteerConfig)
+
+
 class Session:
-    """One studio's state. Only the loop's thread calls it (`apply`, `step`)."""
+    """One studio's state. Only the loop's thread calls it (`step`, and each command's `apply`)."""
 
     def __init__(
         self,
@@ -37,7 +43,7 @@ class Session:
         puppeteer: Puppeteer | None = None,
     ) -> None:
         self.config = config
-        opened = opened or open_for(config, config.source)
+        opened = opened or open_for(config.source, config.puppeteer, config.sessions)
         self.puppeteer = puppeteer or Puppeteer(config.puppeteer, opened.calibration)
         self.reading = Reading(opened.source)
         live = opened.source.starts_live
@@ -59,9 +65,32 @@ class Session:
         """Where human motion comes from now."""
         return self.reading.source
 
-    def apply(self, command: Any, now: float) -> dict[str, Any]:
-        """Do what a command asks (`live.applying`); StudioError says why not."""
-        return applying.apply(command, self, now)
+    # What commands ask of more than one of them -------------------------------------------------
+
+    def enter(self, mode: str, now: float) -> None:
+        """Change the mode. StudioError where there is nothing to replay."""
+        if mode == "replay" and self.replay is None:
+            raise StudioError("nothing to replay: record a take, or choose the source take:NAME")
+        if mode != "collect":
+            self.leave_collect(now)
+        self.mode, self.idle_by_source = mode, False
+        if mode in ("live", "collect"):
+            self.puppeteer.rejoin()
+
+    def map_by(self, mapper: OpenedMapper) -> dict[str, Any]:
+        """Map the person by other experts, and walk in their style. StudioError for another style
+        while a take is recorded; a take of a plan is thrown away then."""
+        style = mapper.experts.style
+        if style != self.puppeteer.config.style:
+            if self.recorder.recording is not None and self.mode != "collect":
+                raise StudioError(
+                    f"take {self.recorder.recording} is being recorded: stop it first"
+                )
+            self.collector.abort("the style was changed: the take was thrown away")
+        self.mappers.swap(mapper)
+        self.puppeteer.set_experts(mapper.experts)
+        self.walk_in(style)
+        return {"name": mapper.name or SHIPPED}
 
     # One control period -------------------------------------------------------------------------
 
@@ -166,6 +195,17 @@ class Session:
         if show is not None:
             show(shown.intent)
         return (shown.state, shown.pose), step
+
+    def enter_collect(self, operator: OpenedSource | None, now: float) -> None:
+        """Mode collect; operator: acts in place of the built-in one. StudioError while a take is
+        recorded."""
+        if self.mode == "collect":
+            return
+        self.collector.refuse_while_recording()
+        if operator is not None:
+            self.acting.enter(self.source, self.reading.played(now))
+            self.watch(operator, now)
+        self.enter("collect", now)
 
     def leave_collect(self, now: float) -> None:
         """Back to the person there was before, who goes on; a running take is thrown away."""

@@ -1,13 +1,16 @@
 """Robot motions to be acted out: a task, drawn and realised, between two rests, with its beats."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 from studio import geometry
-from studio.errors import StudioError, unknown_name
+from studio.errors import StudioError
+from studio.live.command import OneOf, misfit
 from studio.reference.intent import Intent, IntentTrack, StateName
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
@@ -43,24 +46,21 @@ class PlanItem:
     """A task to act out `takes` times. seconds: of motion, rests not counted. difficulty in [0, 1]:
     the share of the robot's range that is asked for (`Task.sample`)."""
 
-    task: str
-    takes: int = 3
-    seconds: float = 8.0
-    difficulty: float = 0.7
+    __pydantic_config__ = ConfigDict(extra="forbid")
+    task: Annotated[str, OneOf("task", TASKS)]
+    takes: Annotated[int, Field(ge=1, le=MAX_TAKES)] = 3
+    seconds: Annotated[float, Field(ge=MIN_SECONDS, le=MAX_SECONDS)] = 8.0
+    difficulty: Annotated[float, Field(ge=0.0, le=1.0)] = 0.7
 
     def checked(self) -> "PlanItem":
         """Itself; StudioError for what cannot be done."""
-        if self.task not in TASKS:
-            raise unknown_name("task", self.task, TASKS)
-        if not 1 <= self.takes <= MAX_TAKES:
-            raise StudioError(f"a task is taken 1 to {MAX_TAKES} times, not {self.takes}")
-        if not MIN_SECONDS <= self.seconds <= MAX_SECONDS:
-            raise StudioError(
-                f"a motion lasts {MIN_SECONDS:g} to {MAX_SECONDS:g} s, not {self.seconds:g}"
-            )
-        if not 0.0 <= self.difficulty <= 1.0:
-            raise StudioError(f"difficulty is between 0 and 1, not {self.difficulty:g}")
-        return self
+        try:
+            return _ITEM.validate_python(asdict(self))
+        except ValidationError as error:
+            raise StudioError(misfit(error.errors())) from error
+
+
+_ITEM = TypeAdapter(PlanItem)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -50,7 +50,7 @@ def files_router(hub: Hub, folder: Path) -> APIRouter:
                 raise refused(_too_large(), 413)
             spec = f"{kind}:{path}"
             await asyncio.get_running_loop().run_in_executor(hub.workers, check, spec, name)
-            await hub.apply(SetSource(spec=spec), request)
+            await hub.apply(SetSource(source=spec), request)
         except BaseException:
             path.unlink(missing_ok=True)
             raise

@@ -13,12 +13,13 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 import studio
+from studio.live.command import misfit
 from studio.paths import carried
 from studio.web.access import AccessMiddleware
 from studio.web.collect_api import collect_router
 from studio.web.commands_api import commands_router
 from studio.web.files_api import files_router
-from studio.web.hub import Hub, misfit
+from studio.web.hub import Hub
 from studio.web.inner import InnerViser
 from studio.web.relay import view_router
 from studio.web.review_api import review_router
@@ -90,7 +91,7 @@ def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
     @app.exception_handler(RequestValidationError)
     async def malformed(_: Request, error: RequestValidationError) -> JSONResponse:
         """A body that does not fit: which field, and what it should be."""
-        said = misfit(error)
+        said = misfit(error.errors(), 1)
         return JSONResponse({"why": said, "error": said}, 422)
 
     return AccessMiddleware(app, hub.access)

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from fastapi import HTTPException, Request
-from fastapi.exceptions import RequestValidationError
 
 from studio.control.trackers import CONTROLLERS
 from studio.live.commands import Command, Result, Stop
@@ -90,14 +89,6 @@ class Hub:
 def refused(why: str, status: int = 409) -> HTTPException:
     """An answer of {"why": …} with a status."""
     return HTTPException(status, detail=why)
-
-
-def misfit(error: RequestValidationError) -> str:
-    """One line on a body that does not fit: which field, and what it should be."""
-    return "; ".join(
-        f"{'.'.join(str(part) for part in e['loc'][1:]) or 'body'}: {e['msg']}"
-        for e in error.errors()
-    )
 
 
 def _stops_seen(request: Request | None) -> int | None:

@@ -1,15 +1,14 @@
-"""Reviewing takes over HTTP: curves, what was found, alignment, split, bin, and the 3-D view."""
+"""Reviewing takes over HTTP: curves, what was found, alignment, split and bin."""
 
 import asyncio
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
-from fastapi import APIRouter, Request
+from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field
 
 from studio.errors import StudioError
-from studio.live.commands import ShowTake
 from studio.takes.align import synchrony
 from studio.takes.edit import edited, review, windows
 from studio.takes.library import SessionLibrary
@@ -38,17 +37,6 @@ class SplitBody(BaseModel):
     """Where, s into the take."""
 
     at: float = Field(allow_inf_nan=False)
-
-
-class ShowBody(BaseModel):
-    """Show the take in the 3-D view. aligned: the person as lag and warp put them."""
-
-    model_config = ConfigDict(extra="forbid")
-    aligned: bool = True
-    t: float | None = Field(default=None, allow_inf_nan=False)
-    playing: bool | None = None
-    speed: float | None = Field(default=None, allow_inf_nan=False)
-    loop: bool | None = None
 
 
 def review_router(hub: Hub) -> APIRouter:
@@ -130,15 +118,5 @@ def review_router(hub: Hub) -> APIRouter:
         await known(name)
         first, second = await off_thread(lambda: library.split(name, body.at))
         return {"takes": [first.as_dict(), second.as_dict()]}
-
-    @router.post("/{name}/show")
-    async def show(name: str, request: Request, body: ShowBody | None = None) -> dict[str, Any]:
-        """Show it in the 3-D view (mode replay), as its edits leave it. Answers the state."""
-        await known(name)
-        # Its table first: that of an hour takes longer to build than the loop may be kept waiting.
-        await off_thread(lambda: edited.open_table(hub.sessions, name))
-        options = (body or ShowBody()).model_dump()
-        await hub.apply(ShowTake(name=name, **options), request)
-        return hub.state()
 
     return router

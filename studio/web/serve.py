@@ -18,7 +18,7 @@ import uvicorn
 from studio.control.command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.live.loop import LiveLoop
-from studio.live.opened import SessionConfig
+from studio.live.session import SessionConfig
 from studio.options import ServeConfig
 from studio.web.access import AccessConfig, page_url
 from studio.web.desk import ControlDesk

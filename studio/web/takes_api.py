@@ -1,4 +1,4 @@
-"""Recording and takes over HTTP: start, stop, list, edit, undo, export, throw into the bin."""
+"""Takes over HTTP: list, edit, undo, export, throw into the bin."""
 
 import asyncio
 import tempfile
@@ -7,27 +7,18 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 import msgspec
-from fastapi import APIRouter, Request
+from fastapi import APIRouter
 from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.background import BackgroundTask
 
 from studio.errors import StudioError
-from studio.live.commands import StartTake, StopTake
 from studio.takes.export.formats import export_file as export_take
 from studio.takes.library import SessionLibrary
-from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 from studio.web.import_api import import_router
 
 T = TypeVar("T")
-
-
-class StartBody(BaseModel):
-    """A label to find the take again by."""
-
-    label: str = Field(default="", max_length=120)
-    name: str | None = Field(default=None, max_length=120)
 
 
 class EditBody(BaseModel):
@@ -65,18 +56,6 @@ def takes_router(hub: Hub) -> APIRouter:
         # Encoded here, off the event loop: ten thousand would hold it up for half a second.
         found = await off_thread(lambda: msgspec.json.encode(library.list()), status=500)
         return Response(found, media_type="application/json")
-
-    @router.post("/start")
-    async def start(request: Request, body: StartBody | None = None) -> dict[str, Any]:
-        """Record from now on."""
-        body = body or StartBody()
-        result = await hub.apply(StartTake(label=body.label, name=body.name), request)
-        return plain(result.data)
-
-    @router.post("/stop")
-    async def stop(request: Request) -> dict[str, Any]:
-        """End the take."""
-        return plain((await hub.apply(StopTake(), request)).data)
 
     @router.get("/{name}")
     async def one(name: str) -> dict[str, Any]:

@@ -1,15 +1,14 @@
-"""Training and using mappers over HTTP: start, watch, cancel; list, swap in, compare, go back."""
+"""Training mappers over HTTP: start, watch, cancel, list."""
 
 import asyncio
 from collections.abc import Callable
 from datetime import datetime
 from typing import Any, Literal, TypeVar
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field
 
 from studio.errors import StudioError
-from studio.live.commands import SetMapper
 from studio.live.mappers import list_mappers, mapper_folder
 from studio.reference.intent import STATES
 from studio.retarget.store import STYLES
@@ -35,12 +34,6 @@ class TrainBody(BaseModel):
     start: Literal["shipped", "scratch"] = "shipped"
     mirror: bool = True
     steps: int = Field(default=0, ge=0, le=100_000)
-
-
-class MapperBody(BaseModel):
-    """A mapper's name, or "shipped"."""
-
-    name: str = Field(max_length=120)
 
 
 def train_router(hub: Hub) -> APIRouter:
@@ -105,17 +98,5 @@ def train_router(hub: Hub) -> APIRouter:
     async def mappers() -> list[dict[str, Any]]:
         """Every mapper trained here, with its data, settings and scores."""
         return plain(await off_thread(lambda: list_mappers(hub.sessions)))
-
-    @router.post("/mapper")
-    async def use(body: MapperBody, request: Request) -> dict[str, Any]:
-        """Swap a mapper into the live loop at once. Answers the state."""
-        await hub.apply(SetMapper(name=body.name), request)
-        return hub.state()
-
-    @router.post("/mapper/back")
-    async def back(request: Request) -> dict[str, Any]:
-        """Use the one before again: A/B, and the way back. Answers the state."""
-        await hub.apply(SetMapper(back=True), request)
-        return hub.state()
 
     return router

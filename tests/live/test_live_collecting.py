@@ -10,10 +10,8 @@ import pytest
 
 from studio.live import commands as c
 from studio.live.clock import FakeClock
-from studio.live.collect import CollectPlan
 from studio.live.loop import LiveLoop
-from studio.live.opened import SessionConfig
-from studio.live.session import Session
+from studio.live.session import Session, SessionConfig
 from studio.live.shown import PlanItem
 from studio.takes.align import lag
 from studio.takes.library import SessionLibrary
@@ -50,7 +48,7 @@ def ask(loop, command):
 
 
 def plan(*items, **options):
-    return c.SetPlan(plan=CollectPlan(items=items, operator="Ada", notes="first day", **options))
+    return c.SetPlan(items=items, operator="Ada", notes="first day", **options)
 
 
 def phase(loop):
@@ -223,5 +221,5 @@ def test_what_cannot_be_done_in_collect_is_refused_with_words(loop):
     assert "first make a plan" in ask(loop, c.CollectAction(action="go")).why
     bad = ask(loop, plan(PlanItem(task="fly")))
     assert "unknown task" in bad.why
-    assert "no mapper to go back to" in ask(loop, c.SetMapper(back=True)).why
+    assert "no mapper to go back to" in ask(loop, c.MapperBack()).why
     assert "unknown mapper" in ask(loop, c.SetMapper(name="nobody")).why

@@ -6,8 +6,7 @@ import pytest
 from studio.live import commands as c
 from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop
-from studio.live.opened import SessionConfig
-from studio.live.session import Session
+from studio.live.session import Session, SessionConfig
 
 DT = 1.0 / 30.0
 

@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from studio.human.pose import HumanPose
 from studio.live import commands as c
 from studio.live.clock import FakeClock, WallClock
 from studio.live.loop import LiveLoop
-from studio.live.opened import OpenedSource, SessionConfig, open_for
-from studio.live.session import Session
+from studio.live.session import Session, SessionConfig
+from studio.live.source import OpenedSource, open_for
 from studio.robot import a1
 from studio.sources import SourceEnded
 from studio.synthetic.operator import OperatorSource
@@ -54,7 +55,7 @@ def make(tmp_path):
 
     def build(source=None, spec="operator") -> LiveLoop:
         config = SessionConfig(source=spec, sessions=tmp_path / "sessions")
-        opened = open_for(config, spec)
+        opened = open_for(spec, config.puppeteer, config.sessions)
         if source is not None:
             opened = OpenedSource(source=source, calibration=opened.calibration)
         return LiveLoop(clock=FakeClock(), session=Session(config, opened))
@@ -161,14 +162,10 @@ def test_a_command_is_answered_after_the_tick_that_applied_it_or_with_why(make):
     run(loop, 0.2)
     assert ask(loop, c.SetStateLock(state="sit")).state["state_lock"] == "sit"
     for command, word in (
-        (c.SetStateLock(state="fly"), "unknown state"),
-        (c.SetMode(mode="party"), "unknown mode"),
         (c.SetMode(mode="replay"), "nothing to replay"),
-        (c.SetSource(spec="telepathy"), "unknown source"),
-        (c.SetSource(spec="bvh:/nowhere.bvh"), "/nowhere.bvh"),
-        (c.SetGain(name="tilt_gain", value=99.0), "between"),
-        (c.SetGain(name="charm", value=1.0), "unknown gain"),
-        (c.SetController(name="magic"), "unknown controller"),
+        (c.SetSource(source="telepathy"), "unknown source"),
+        (c.SetSource(source="bvh:/nowhere.bvh"), "/nowhere.bvh"),
+        (c.SetGain(name="dead_zone", value=1.9), "between"),
         (c.StopTake(), "recorded"),
         (c.Seek(t=1.0), "replay"),
     ):
@@ -178,12 +175,27 @@ def test_a_command_is_answered_after_the_tick_that_applied_it_or_with_why(make):
         assert answer.state["mode"] == "live"
 
 
+@pytest.mark.parametrize(
+    ("command", "fields", "word"),
+    [
+        (c.SetStateLock, {"state": "fly"}, "unknown state"),
+        (c.SetMode, {"mode": "party"}, "unknown mode"),
+        (c.SetGain, {"name": "tilt_gain", "value": 99.0}, "less than or equal to 2"),
+        (c.SetGain, {"name": "charm", "value": 1.0}, "unknown gain"),
+        (c.SetController, {"controller": "magic"}, "unknown controller"),
+    ],
+)
+def test_a_command_outside_its_limits_cannot_even_be_made(command, fields, word):
+    with pytest.raises(ValidationError, match=word):
+        command(**fields)
+
+
 def test_the_controller_is_switched_to_the_pd_and_back_while_the_robot_tilts(make):
     loop = make(Script(task="tilt"))
     run(loop, 3.0)
     assert loop.state_dict()["controller"] == "policy"
     for name in ("pd_playback", "policy"):
-        answer = ask(loop, c.SetController(name=name))
+        answer = ask(loop, c.SetController(controller=name))
         assert answer.ok, answer.why
         assert answer.state["controller"] == name
         ticks = run(loop, 3.0)
@@ -205,7 +217,7 @@ def test_a_locked_state_is_kept_whatever_the_person_does(make):
 def test_a_new_source_is_followed_from_its_start_without_a_jump(make):
     loop = make()
     before = run(loop, 1.0)[-1]
-    answer = ask(loop, c.SetSource(spec="operator:crouch"))
+    answer = ask(loop, c.SetSource(source="operator:crouch"))
     assert answer.ok, answer.why
     assert answer.state["source"] == "operator:crouch"
     after = run(loop, 1.0)

@@ -5,7 +5,7 @@ import pytest
 from make_ticks import make_ticks  # type: ignore[import-not-found]
 
 from studio.errors import StudioError
-from studio.live.playback import Playback
+from studio.live.replay import Playback
 from studio.takes.columns import columns
 from studio.takes.dataset.datamap import DataMap
 from studio.takes.edit.edits import Edits

@@ -9,8 +9,7 @@ from hypothesis import strategies as st
 from studio.live import commands as c
 from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop, _Request
-from studio.live.opened import SessionConfig
-from studio.live.session import Session
+from studio.live.session import Session, SessionConfig
 
 RELEASES = (c.Reset(), c.Arm())
 OTHERS = (c.SetMode(mode="live"), c.SetStateLock(state="stand"), c.Disarm())

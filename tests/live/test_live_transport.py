@@ -3,7 +3,7 @@
 import pytest
 
 from studio.errors import StudioError
-from studio.live.transport import Transport
+from studio.live.replay import Transport
 from studio.robot.a1 import CONTROL_DT
 
 

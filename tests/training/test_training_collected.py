@@ -10,10 +10,8 @@ from studio.errors import StudioError
 from studio.live import collect
 from studio.live import commands as c
 from studio.live.clock import FakeClock
-from studio.live.collect import CollectPlan
 from studio.live.loop import LiveLoop
-from studio.live.opened import SessionConfig
-from studio.live.session import Session
+from studio.live.session import Session, SessionConfig
 from studio.live.shown import PlanItem
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, read_experts
@@ -47,7 +45,7 @@ def collect_tilts(root):
             loop.wait()
 
     items = (PlanItem(task="tilt", takes=2, seconds=5.0),)
-    ask(c.SetPlan(plan=CollectPlan(items=items, preview=False, hands_free=True, seed=3)))
+    ask(c.SetPlan(items=items, preview=False, hands_free=True, seed=3))
     ask(c.SetMode(mode="collect"))
     while loop.session.collector.machine.phase != "done":
         loop.tick()

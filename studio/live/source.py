@@ -1,11 +1,42 @@
-"""A source of human motion played along the loop's clock: what is seen now, when, to its end."""
+"""The source of human motion that the loop follows: opened and scanned by any thread, then played
+along the loop's clock."""
 
 import logging
+from dataclasses import dataclass
+from pathlib import Path
 
+from studio.control.command import PuppeteerConfig
+from studio.human.calibration import Calibration, calibrate
 from studio.human.pose import HumanPose
-from studio.sources import Source, SourceEnded
+from studio.sources import Source, SourceEnded, open_source
+from studio.synthetic.follower import FollowingOperator
 
 log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OpenedSource:
+    """A source and what scanning it ahead told of the person; made by any thread."""
+
+    source: Source
+    calibration: Calibration
+
+
+def open_for(spec: str, config: PuppeteerConfig, sessions: Path) -> OpenedSource:
+    """Open and scan a source, which may take a while: never on the loop's thread.
+
+    spec: of contract.md. sessions: where takes are. StudioError says what would work.
+    """
+    source = open_source(spec, seed=config.seed, style=config.style, sessions=sessions)
+    return OpenedSource(source=source, calibration=calibrate(source.calibration_poses()))
+
+
+def open_follower(config: PuppeteerConfig, source: Source) -> OpenedSource | None:
+    """The synthetic person who acts out what is shown, if the source is the built-in operator."""
+    if not source.name.startswith("operator") or isinstance(source, FollowingOperator):
+        return None
+    person = FollowingOperator(seed=config.seed, style=config.style)
+    return OpenedSource(source=person, calibration=calibrate(person.calibration_poses()))
 
 
 class Reading:

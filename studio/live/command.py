@@ -1,0 +1,108 @@
+"""What may be asked of the control loop: each command is one declaration, and all follows from it.
+
+Its fields with their limits are the HTTP body, the validation and the schema (`web.commands_api`);
+`prepare` does what takes long, on the asker's thread; `apply` does the rest on the loop's.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from studio.errors import unknown_name
+
+if TYPE_CHECKING:
+    from studio.live.session import Session
+
+Made = dict[str, Any]
+"""What a command made: a take's name and ticks, say."""
+
+
+class Command(BaseModel, ABC):
+    """Frozen: it crosses threads. A subclass in `live/commands/` is all that a new command needs.
+
+    path: POST /api/PATH asks for it; a field in braces is part of the path; "": no path of its own.
+    tag: its group in the schema. misfit_status: the answer to a body that does not fit.
+    sender: the field, if any, that names the page which asks; never part of the body.
+    releases: lets a stopped robot move again, so that it must have been sent after the last stop.
+    """
+
+    model_config = ConfigDict(frozen=True)
+    path: ClassVar[str] = ""
+    tag: ClassVar[str] = "studio"
+    misfit_status: ClassVar[int] = 409
+    sender: ClassVar[str] = ""
+    releases: ClassVar[bool] = False
+
+    @property
+    def prepares(self) -> bool:
+        """There is something to open, read or draw before the loop's thread can apply it."""
+        return type(self).prepare is not Command.prepare
+
+    def prepare(self, session: "Session") -> Any:
+        """Open, read or draw what `apply` needs; any thread. StudioError says what is not there."""
+
+    @abstractmethod
+    def apply(self, session: "Session", now: float, prepared: Any) -> Made:
+        """Do it, on the loop's thread; StudioError says why not. Returns what it made, if anything.
+
+        now: s on the loop's clock. prepared: what `prepare` returned.
+        """
+
+    def answer(self, state: dict[str, Any], made: Made) -> dict[str, Any]:
+        """The object that answers its request: the state (GET /api/state) after it, by default."""
+        return state
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """A field's limit: a name of a registry. Others are refused with those that would work."""
+
+    kind: str
+    known: Iterable[str]
+
+    def __get_pydantic_core_schema__(
+        self, source: Any, handler: GetCoreSchemaHandler
+    ) -> CoreSchema:
+        """Called by pydantic: `check` after the type."""
+        return core_schema.no_info_after_validator_function(self.check, handler(source))
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        """Called by pydantic: the names, for the schema."""
+        return {**handler(schema), "enum": list(self.known)}
+
+    def check(self, name: str | None) -> str | None:
+        """`name` itself (None where a field may be left out), or pydantic's error saying why."""
+        if name is not None and name not in self.known:
+            why = str(unknown_name(self.kind, name[:64], self.known))
+            raise PydanticCustomError("unknown_name", "{why}", {"why": why})
+        return name
+
+
+def misfit(errors: Iterable[Any], first: int = 0) -> str:
+    """One line on pydantic's errors: which field, and what it should be.
+
+    first: how much of where it lies to leave out (FastAPI begins with "body").
+    """
+    return "; ".join(
+        f"{'.'.join(str(part) for part in e['loc'][first:]) or 'body'}: {e['msg']}" for e in errors
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Result:
+    """The loop's answer, given after the tick in which a command was applied.
+
+    ok: applied. why: one line, if it was refused. state: the object of GET /api/state after that
+    tick. data: what the command made.
+    """
+
+    ok: bool
+    why: str = ""
+    state: dict[str, Any] = field(default_factory=dict)
+    data: Made = field(default_factory=dict)

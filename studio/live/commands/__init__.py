@@ -1,0 +1,55 @@
+"""Everything that may be asked of the control loop, one class a command, by what it is about."""
+
+from studio.live.command import Command, Made, Result
+from studio.live.commands.collect import AddToPlan, CollectAction, SetPlan
+from studio.live.commands.drive import (
+    MODES,
+    Calibrate,
+    MapperBack,
+    SetController,
+    SetGain,
+    SetMapper,
+    SetMirror,
+    SetMode,
+    SetScene,
+    SetSource,
+    SetStateLock,
+    SetStyle,
+)
+from studio.live.commands.safety import Arm, Disarm, ReleaseControl, Reset, Stop, TakeControl
+from studio.live.commands.takes import Seek, ShowTake, StartTake, StopTake
+
+COMMANDS: tuple[type[Command], ...] = tuple(Command.__subclasses__())
+"""All of them, in the order of their declaration."""
+
+__all__ = [
+    "COMMANDS",
+    "MODES",
+    "AddToPlan",
+    "Arm",
+    "Calibrate",
+    "CollectAction",
+    "Command",
+    "Disarm",
+    "Made",
+    "MapperBack",
+    "ReleaseControl",
+    "Reset",
+    "Result",
+    "Seek",
+    "SetController",
+    "SetGain",
+    "SetMapper",
+    "SetMirror",
+    "SetMode",
+    "SetPlan",
+    "SetScene",
+    "SetSource",
+    "SetStateLock",
+    "SetStyle",
+    "ShowTake",
+    "StartTake",
+    "Stop",
+    "StopTake",
+    "TakeControl",
+]

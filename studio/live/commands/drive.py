@@ -1,0 +1,206 @@
+"""Who is watched, by which mapper, and what the robot does with it."""
+
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from studio.control.command import LIMITS
+from studio.control.trackers import CONTROLLERS
+from studio.errors import StudioError
+from studio.live.command import Command, Made, OneOf
+from studio.live.mappers import SHIPPED, OpenedMapper, open_mapper
+from studio.live.replay import Replay, open_replay
+from studio.live.source import OpenedSource, open_follower, open_for
+from studio.reference.intent import STATES
+from studio.retarget.store import STYLES, load_experts
+
+if TYPE_CHECKING:
+    from studio.live.session import Session
+
+Mode = Literal["idle", "live", "replay", "collect"]
+MODES: tuple[Mode, ...] = ("idle", "live", "replay", "collect")
+SCENES = ("empty",)
+"""Scenes with props come with the composite tasks; until then there is the bare floor."""
+
+
+class SetMode(Command):
+    """idle: the robot rests; live: it follows the source; replay: a take is shown again; collect:
+    motions are shown, acted out and recorded."""
+
+    path: ClassVar[str] = "mode"
+    mode: Annotated[str, OneOf("mode", MODES)]
+
+    @property
+    def prepares(self) -> bool:
+        """A take is read to be replayed, and whoever acts for the built-in operator made."""
+        return self.mode in ("replay", "collect")
+
+    def prepare(self, session: "Session") -> Replay | OpenedSource | None:
+        """replay: the take watched, or else the last recorded. collect: the person who acts."""
+        if self.mode == "collect":
+            return open_follower(session.config.puppeteer, session.source)
+        if self.mode == "replay":
+            kind, _, name = session.source.name.partition(":")
+            take = name if kind == "take" else session.last_take
+            return open_replay(session.config.sessions, take) if take else None
+        return None
+
+    def apply(self, session: "Session", now: float, prepared: Any = None) -> Made:
+        """Change the mode; a running take of a plan is thrown away when collecting is left."""
+        if self.mode == "collect":
+            session.enter_collect(prepared, now)
+            return {}
+        if self.mode == "replay":
+            session.replay = prepared or session.replay
+        session.enter(self.mode, now)
+        return {}
+
+
+class SetStateLock(Command):
+    """Lock the controller to a state, or let the selector choose (auto)."""
+
+    path: ClassVar[str] = "state"
+    state: Annotated[str, OneOf("state", ("auto", *STATES))]
+
+    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+        """Lock or free."""
+        session.puppeteer.lock_state(self.state)
+        return {}
+
+
+class SetSource(Command):
+    """Where human motion comes from: operator[:TASK], bvh:FILE, frames:FILE, take:NAME, stream …"""
+
+    path: ClassVar[str] = "source"
+    source: str = Field(max_length=1024)
+
+    def prepare(self, session: "Session") -> OpenedSource:
+        """Open and scan it."""
+        return open_for(self.source, session.config.puppeteer, session.config.sessions)
+
+    def apply(self, session: "Session", now: float, prepared: OpenedSource) -> Made:
+        """Watch it; live and armed where it starts so, else idle until armed."""
+        session.collector.abort("another source was chosen")
+        session.acting.forget()
+        session.reading.close()
+        session.watch(prepared, now)
+        live = session.source.starts_live
+        session.mode, session.idle_by_source = ("live" if live else "idle"), not live
+        if not session.safety.stopped:
+            session.safety.armed = live
+        return {}
+
+
+class SetScene(Command):
+    """What stands around the robot."""
+
+    path: ClassVar[str] = "scene"
+    scene: Annotated[str, OneOf("scene", SCENES)]
+
+    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+        """Set it."""
+        session.scene = self.scene
+        return {}
+
+
+class SetController(Command):
+    """Which controller turns the reference into an action."""
+
+    path: ClassVar[str] = "controller"
+    controller: Annotated[str, OneOf("controller", CONTROLLERS)]
+
+    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+        """Use it from the next period on."""
+        session.puppeteer.set_controller(self.controller)
+        return {}
+
+
+class SetGain(Command):
+    """A slider: tilt_gain (times the trunk's tilt), dead_zone (rad) or speed_cap (m/s)."""
+
+    path: ClassVar[str] = "gain"
+    name: Annotated[str, OneOf("gain", LIMITS)]
+    value: float = Field(
+        allow_inf_nan=False,
+        ge=min(low for low, _ in LIMITS.values()),
+        le=max(high for _, high in LIMITS.values()),
+        description="; ".join(f"{k}: {low:g} to {high:g}" for k, (low, high) in LIMITS.items()),
+    )
+
+    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+        """Set it, within its own limits."""
+        session.puppeteer.set_gain(self.name, self.value)
+        return {}
+
+
+class SetMirror(Command):
+    """Move as in a mirror, or side for side."""
+
+    path: ClassVar[str] = "mirror"
+    mirror: bool
+
+    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+        """Mirror the person from the next pose on."""
+        session.puppeteer.set_mirror(self.mirror)
+        return {}
+
+
+class Calibrate(Command):
+    """Measure bone lengths and heading anew from what is seen now."""
+
+    path: ClassVar[str] = "calibrate"
+
+    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+        """The way the person faces now is straight ahead."""
+        session.puppeteer.calibrate_now()
+        return {}
+
+
+class SetStyle(Command):
+    """Which human motion means walking, from the next period on: the shipped experts of that style
+    take over, and the built-in operator walks in it too."""
+
+    path: ClassVar[str] = "style"
+    style: Annotated[str, OneOf("style", STYLES)]
+
+    def prepare(self, session: "Session") -> OpenedMapper:
+        """Read the style's experts."""
+        return OpenedMapper(name=None, experts=load_experts(self.style))
+
+    def apply(self, session: "Session", now: float, prepared: OpenedMapper) -> Made:
+        """Swap them in."""
+        return session.map_by(prepared)
+
+
+class SetMapper(Command):
+    """Map the person by the experts trained under this name, or by those "shipped", from the next
+    period on."""
+
+    path: ClassVar[str] = "mapper"
+    tag: ClassVar[str] = "train"
+    misfit_status: ClassVar[int] = 422
+    name: str = Field(max_length=120)
+
+    def prepare(self, session: "Session") -> OpenedMapper:
+        """Read the experts."""
+        style = session.config.puppeteer.style
+        if self.name == SHIPPED:
+            return OpenedMapper(name=None, experts=load_experts(style))
+        return open_mapper(session.config.sessions, self.name, style)
+
+    def apply(self, session: "Session", now: float, prepared: OpenedMapper) -> Made:
+        """Swap them in."""
+        return session.map_by(prepared)
+
+
+class MapperBack(Command):
+    """Map by whichever experts were in use before: A/B, and the way back."""
+
+    path: ClassVar[str] = "mapper/back"
+    tag: ClassVar[str] = "train"
+
+    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+        """Swap them in."""
+        if session.mappers.before is None:
+            raise StudioError("there is no mapper to go back to: none was swapped in yet")
+        return session.map_by(session.mappers.before)

@@ -1,0 +1,100 @@
+"""Recording takes, and showing them again."""
+
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from pydantic import BaseModel, Field
+
+from studio.errors import StudioError
+from studio.live.command import Command, Made
+from studio.live.replay import SPEEDS, Playback, Transport, open_playback
+
+if TYPE_CHECKING:
+    from studio.live.session import Session
+
+
+class StartTake(Command):
+    """Record from the next tick on. label: to find the take again by. name: chosen if left out."""
+
+    path: ClassVar[str] = "takes/start"
+    tag: ClassVar[str] = "takes"
+    misfit_status: ClassVar[int] = 422
+    label: str = Field(default="", max_length=120)
+    name: str | None = Field(default=None, max_length=120)
+
+    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+        """Begin the take."""
+        name = session.recorder.start(self.label, name=self.name, about=session.about())
+        session.recorded = 0
+        return {"name": name}
+
+    def answer(self, state: dict[str, Any], made: Made) -> dict[str, Any]:
+        """Its name."""
+        return made
+
+
+class StopTake(Command):
+    """Close the take being recorded."""
+
+    path: ClassVar[str] = "takes/stop"
+    tag: ClassVar[str] = "takes"
+
+    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+        """End it, unless it belongs to a plan."""
+        if session.mode == "collect":
+            raise StudioError("the take belongs to the plan: abort it, or let it end")
+        stopped = session.recorder.stop()
+        session.last_take = stopped["name"]
+        return stopped
+
+    def answer(self, state: dict[str, Any], made: Made) -> dict[str, Any]:
+        """Its name and ticks."""
+        return made
+
+
+class Seeking(BaseModel):
+    """Where to in a take (s), playing on or paused, at a speed (times real time), in a loop."""
+
+    t: float | None = Field(default=None, allow_inf_nan=False)
+    playing: bool | None = None
+    speed: float | None = Field(default=None, allow_inf_nan=False, ge=SPEEDS[0], le=SPEEDS[1])
+    loop: bool | None = None
+
+    def seek(self, replay: Transport) -> None:
+        """Move there; what is None stays."""
+        replay.seek(self.t, self.playing, self.speed, self.loop)
+
+
+class Seek(Seeking, Command):
+    """Move in the take that is replayed: to `t` s, playing on or paused, at a speed, in a loop."""
+
+    path: ClassVar[str] = "seek"
+
+    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+        """Move; refused where nothing is replayed."""
+        if session.mode != "replay" or session.replay is None:
+            raise StudioError("nothing is replayed: choose mode replay first")
+        self.seek(session.replay)
+        return {}
+
+
+class ShowTake(Seeking, Command, extra="forbid"):
+    """Show a take in the 3-D view (mode replay) as its edits leave it. aligned: the person as lag
+    and warp put them. The rest as in seeking."""
+
+    path: ClassVar[str] = "takes/{name}/show"
+    tag: ClassVar[str] = "review"
+    misfit_status: ClassVar[int] = 422
+    name: str
+    aligned: bool = True
+
+    def prepare(self, session: "Session") -> Playback:
+        """Read its table, which takes seconds for a take of an hour."""
+        playback = open_playback(session.config.sessions, self.name, aligned=self.aligned)
+        self.seek(playback)
+        return playback
+
+    def apply(self, session: "Session", now: float, prepared: Playback) -> Made:
+        """Replay it."""
+        session.replay = prepared
+        session.enter("replay", now)
+        return {}
