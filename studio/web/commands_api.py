@@ -8,7 +8,7 @@ import inspect
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from fastapi import APIRouter, Depends, HTTPException, Request, Response
+from fastapi import APIRouter, Body, Depends, HTTPException, Request, Response
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from fastapi.routing import APIRoute
@@ -49,6 +49,9 @@ class CommandRoute(APIRoute):
                 raise refused("the body is no JSON in UTF-8") from error
 
         return handled
+
+
+REFUSALS: dict[int | str, dict[str, Any]] = {409: {"description": "not applied; `why` says why"}}
 
 
 def commands_router(hub: Hub) -> APIRouter:
@@ -101,19 +104,16 @@ def commands_router(hub: Hub) -> APIRouter:
     return router
 
 
-REFUSALS: dict[int | str, dict[str, Any]] = {409: {"description": "not applied; `why` says why"}}
-
-
 def body_of(command: type[Command]) -> type[BaseModel] | None:
     """The body that asks for a command: its fields, but for those from elsewhere; None if none."""
-    elsewhere = {command.sender} | {
-        name for name in command.model_fields if f"{{{name}}}" in command.path
+    fields: dict[str, Any] = {
+        name: (field.annotation, field)
+        for name, field in command.model_fields.items()
+        if name != command.sender and f"{{{name}}}" not in command.path
     }
-    fields = {k: (f.annotation, f) for k, f in command.model_fields.items() if k not in elsewhere}
-    if len(fields) == len(command.model_fields):
+    if not fields or len(fields) == len(command.model_fields):
         return command if fields else None
-    config = command.model_config
-    return create_model(f"{command.__name__}Body", __config__=config, **fields) if fields else None
+    return create_model(f"{command.__name__}Body", __config__=command.model_config, **fields)
 
 
 def endpoint(hub: Hub, command: type[Command]) -> Callable[..., Coroutine[Any, Any, dict]]:
@@ -135,14 +135,11 @@ def endpoint(hub: Hub, command: type[Command]) -> Callable[..., Coroutine[Any, A
             return await ask(request, None)
 
         return without
-    if any(field.is_required() for field in body_type.model_fields.values()):
+    required = any(field.is_required() for field in body_type.model_fields.values())
+    wanted = body_type if required else body_type | None
+    default = Body(... if required else None)
 
-        async def required(request: Request, body: body_type) -> dict[str, Any]:  # type: ignore[valid-type]
-            return await ask(request, body)
-
-        return required
-
-    async def optional(request: Request, body: body_type | None = None) -> dict[str, Any]:  # type: ignore[valid-type]
+    async def with_body(request: Request, body: wanted = default) -> dict[str, Any]:  # type: ignore[valid-type]
         return await ask(request, body)
 
-    return optional
+    return with_body
