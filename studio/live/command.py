@@ -5,18 +5,19 @@ Its fields with their limits are the HTTP body, the validation and the schema (`
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from studio.errors import unknown_name
+from studio.errors import StudioError, unknown_name
 
 if TYPE_CHECKING:
     from studio.live.session import Session
 
+T = TypeVar("T")
 Made = dict[str, Any]
 """What a command made: a take's name and ticks, say."""
 
@@ -80,8 +81,16 @@ class OneOf:
         """`name` itself (None where a field may be left out), or pydantic's error saying why."""
         if name is not None and name not in self.known:
             why = str(unknown_name(self.kind, name[:64], self.known))
-            raise PydanticCustomError("unknown_name", "{why}", {"why": why})
+            raise PydanticCustomError("misfit", "{why}", {"why": why})
         return name
+
+
+def with_why(check: Callable[..., T], *values: Any) -> T:
+    """Call `check`; its StudioError becomes pydantic's, which a validator may raise."""
+    try:
+        return check(*values)
+    except StudioError as error:
+        raise PydanticCustomError("misfit", "{why}", {"why": str(error)}) from error
 
 
 def misfit(errors: Iterable[Any], first: int = 0) -> str:

@@ -165,7 +165,6 @@ def test_a_command_is_answered_after_the_tick_that_applied_it_or_with_why(make):
         (c.SetMode(mode="replay"), "nothing to replay"),
         (c.SetSource(source="telepathy"), "unknown source"),
         (c.SetSource(source="bvh:/nowhere.bvh"), "/nowhere.bvh"),
-        (c.SetGain(name="dead_zone", value=1.9), "between"),
         (c.StopTake(), "recorded"),
         (c.Seek(t=1.0), "replay"),
     ):
@@ -180,7 +179,7 @@ def test_a_command_is_answered_after_the_tick_that_applied_it_or_with_why(make):
     [
         (c.SetStateLock, {"state": "fly"}, "unknown state"),
         (c.SetMode, {"mode": "party"}, "unknown mode"),
-        (c.SetGain, {"name": "tilt_gain", "value": 99.0}, "less than or equal to 2"),
+        (c.SetGain, {"name": "tilt_gain", "value": 99.0}, "between"),
         (c.SetGain, {"name": "charm", "value": 1.0}, "unknown gain"),
         (c.SetController, {"controller": "magic"}, "unknown controller"),
     ],

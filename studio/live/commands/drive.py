@@ -2,12 +2,12 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from studio.control.command import LIMITS
+from studio.control.command import LIMITS, checked_gain
 from studio.control.trackers import CONTROLLERS
 from studio.errors import StudioError
-from studio.live.command import Command, Made, OneOf
+from studio.live.command import Command, Made, OneOf, with_why
 from studio.live.mappers import SHIPPED, OpenedMapper, open_mapper
 from studio.live.replay import Replay, open_replay
 from studio.live.source import OpenedSource, open_follower, open_for
@@ -122,13 +122,16 @@ class SetGain(Command):
     name: Annotated[str, OneOf("gain", LIMITS)]
     value: float = Field(
         allow_inf_nan=False,
-        ge=min(low for low, _ in LIMITS.values()),
-        le=max(high for _, high in LIMITS.values()),
         description="; ".join(f"{k}: {low:g} to {high:g}" for k, (low, high) in LIMITS.items()),
     )
 
+    @model_validator(mode="after")
+    def _within_its_own_limits(self) -> "SetGain":
+        with_why(checked_gain, self.name, self.value)
+        return self
+
     def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
-        """Set it, within its own limits."""
+        """Set it."""
         session.puppeteer.set_gain(self.name, self.value)
         return {}
 
