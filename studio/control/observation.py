@@ -143,7 +143,9 @@ class ObservationConfig:
 
     yaw_rate: add the gyro's yaw rate to z (the paper: no). heading_gain, place_gain: 1/s, how much
     of the errors of heading and place (see `History`) is added to the reference's yaw rate and
-    velocity, 0 for none; hold_tau: s in which an error is forgotten. future: control periods ahead
+    velocity, 0 for none; hold_tau: s in which an error is forgotten; heading_smooth: s over which
+    the heading's error is averaged before it steers, so that what the trunk yaws within a stride
+    does not answer itself. future: control periods ahead
     of which p̄ is appended, foreseen from the past ("predicted") or given away ("true", which only
     a simulation can).
     """
@@ -152,6 +154,7 @@ class ObservationConfig:
     heading_gain: float = 0.0
     place_gain: float = 0.0
     hold_tau: float = 5.0
+    heading_smooth: float = 0.0
     future: tuple[int, ...] = ()
     future_kind: FutureKind = "predicted"
 
@@ -201,7 +204,8 @@ class History:
         e ← (1 − Δt/τ) (e + (ψ̄' − ω_z) Δt),                     |e| ≤ HEADING_CLIP
         d ← (1 − Δt/τ) (R(−ω_z Δt) d + R(e) v̄ Δt − odometry),    ‖d‖ ≤ PLACE_CLIP
 
-    Below MAKES_UP_FROM d counts in proportion to the speed asked for.
+    e steers as its first-order mean over heading_smooth. Below MAKES_UP_FROM d counts in proportion
+    to the speed asked for.
 
     foresee: (N, MEMORY, 18) past references, newest last → (N, 18 · len(future)), where the
     configuration asks for a predicted future.
@@ -219,6 +223,7 @@ class History:
         self._foresee = foresee if predicted else None
         self._past = np.zeros((num_envs, MEMORY if predicted else FRAMES, REFERENCE_DIM))
         self.heading_error = np.zeros(num_envs)
+        self.steering = np.zeros(num_envs)
         self.place_error = np.zeros((num_envs, 2))
         self._feet = np.zeros((num_envs, 4, 3))
         self._stood = np.zeros((num_envs, 4))
@@ -236,6 +241,7 @@ class History:
         self._past[ids] = reference[:, None]
         self.actions[ids] = 0.0
         self.heading_error[ids] = 0.0
+        self.steering[ids] = 0.0
         self.place_error[ids] = 0.0
         if self.config.place_gain:
             self._feet[ids], self._stood[ids] = _footholds(z), contact
@@ -256,7 +262,8 @@ class History:
         turn = z[:, GYRO_YAW] * dt
         error = keep * (self.heading_error + reference[:, YAW_RATE] * dt - turn)
         self.heading_error = np.minimum(np.maximum(error, -HEADING_CLIP), HEADING_CLIP)
-        self._past[:, -1, YAW_RATE] += config.heading_gain * self.heading_error
+        self.steering += (self.heading_error - self.steering) * dt / max(config.heading_smooth, dt)
+        self._past[:, -1, YAW_RATE] += config.heading_gain * self.steering
         if config.place_gain:
             feet = _footholds(z)
             asked = odometry.turned(reference[:, VELOCITY] * dt, self.heading_error)

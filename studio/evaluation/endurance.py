@@ -44,17 +44,25 @@ FULL_SPEED = 0.8
 """Share of the speed asked for from which a window of walking counts as walked."""
 
 
+HOLDS: dict[str, dict[str, float]] = {
+    "shipped": {},
+    "nothing": {"heading_gain": 0.0, "place_gain": 0.0},
+    "heading, within a stride": {"heading_gain": 1.0, "heading_smooth": 0.0, "place_gain": 0.0},
+    "heading and place": {"heading_gain": 1.0, "heading_smooth": 0.0, "place_gain": 1.0},
+}
+"""What the walking policy makes up for: its gains in 1/s, see `ObservationConfig`."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class Case:
     """One row. source: a spec of the operator. sensor: a name of IMPAIRMENTS. dynamics: those of
-    the robot the policies were made for, or draws of Table I. place_gain: 1/s, the walking policy's
-    correction of its place (None: as shipped)."""
+    the robot the policies were made for, or draws of Table I. holds: a name of HOLDS."""
 
     source: str = "operator:walk"
     controller: str = "policy"
     dynamics: DynamicsName = "nominal"
     sensor: str = "mocap"
-    place_gain: float | None = None
+    holds: str = "shipped"
 
 
 CASES: tuple[Case, ...] = (
@@ -62,8 +70,9 @@ CASES: tuple[Case, ...] = (
     Case(source="operator"),
     Case(source="operator:walk", controller="pd_playback"),
     Case(source="operator", controller="pd_playback"),
-    Case(source="operator:walk", place_gain=1.0),
-    Case(source="operator", place_gain=1.0),
+    Case(source="operator:walk", holds="nothing"),
+    Case(source="operator:walk", holds="heading, within a stride"),
+    Case(source="operator:walk", holds="heading and place"),
     Case(source="operator:walk", dynamics="table_i", sensor="dropped"),
     Case(source="operator", dynamics="table_i", sensor="dropped"),
     Case(source="operator:walk", dynamics="table_i", sensor="dropped", controller="pd_playback"),
@@ -130,8 +139,8 @@ def endure(case: Case, seed: int, seconds: float) -> Run:
         PuppeteerConfig(controller=case.controller, seed=seed),
         calibrate(source.calibration_poses()),
     )
-    if case.place_gain is not None and case.controller == "policy":
-        puppeteer.tracker = PolicyTracker(_policies(case.place_gain))
+    if gains := HOLDS[case.holds]:
+        puppeteer.tracker = PolicyTracker(_policies(gains))
     if case.dynamics == "table_i":
         links = int(np.count_nonzero(puppeteer.world.model.body_mass > 0.0))
         drawn = randomize.draw(np.random.default_rng(seed), 1, links)
@@ -166,11 +175,11 @@ def _source(case: Case, seed: int) -> Impaired:
     return Impaired(operator, impairment, seed)
 
 
-def _policies(place_gain: float) -> dict[Any, Policy]:
-    """The shipped policies, walking with this correction of its place."""
+def _policies(gains: dict[str, Any]) -> dict[Any, Policy]:
+    """The shipped policies, walking with other corrections of its way."""
     policies = {state: Policy.load(state) for state in STATES}
     walk = policies["walk"]
-    policies["walk"] = walk.observing(replace(walk.observation, place_gain=place_gain))
+    policies["walk"] = walk.observing(replace(walk.observation, **gains))
     return policies
 
 
@@ -207,7 +216,7 @@ def row(case: Case, runs: list[Run], seed: int) -> dict[str, Any]:
         "controller": case.controller,
         "dynamics": case.dynamics,
         "sensor": case.sensor,
-        "place_gain": case.place_gain,
+        "holds": case.holds,
         "seed": seed,
         "episodes": len(runs),
         "seconds_each": runs[0].seconds,

@@ -4,13 +4,16 @@ import time
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from studio import geometry
 from studio.errors import StudioError
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1, kinematics
 from studio.robot.pose import RobotPose, RobotState
+from studio.sim import randomize
 from studio.sim.actuation import LowPass, limit_target
+from studio.sim.batch import BatchConfig, BatchWorld
 from studio.sim.spec import ModelConfig
 from studio.sim.world import World, WorldConfig, lowest_point
 
@@ -193,3 +196,72 @@ def test_a_step_costs_well_under_a_millisecond_of_processor_time(world: World):
         run(world, a1.STAND_JOINT_POS, 1.0)
         costs.append((time.thread_time() - start) / SECOND)
     assert min(costs) < 1e-3  # 0.25 ms measured on a quiet core; neighbours may double it
+
+
+def drawn(**changes) -> randomize.Dynamics:
+    """One nominal robot on level ground, but for what is changed."""
+    world = World()
+    links = int(np.count_nonzero(world.model.body_mass > 0.0))
+    nominal = {
+        "mass": np.ones((1, links)),
+        "friction": np.ones(1),
+        "kp": np.ones(1),
+        "kd": np.ones(1),
+        "delay": np.zeros(1),
+        "slope_axis": np.zeros((1, 2)),
+    }
+    return randomize.Dynamics(**{**nominal, **changes}, period=0.0)
+
+
+def moved(world: World, periods: int = 12) -> NDArray:
+    """Joints over time after a step of the targets."""
+    target = a1.STAND_JOINT_POS + np.tile([0.0, 0.1, -0.15], 4)
+    return np.array([world.step(target).joint_pos for _ in range(periods)])
+
+
+def test_a_nominal_draw_changes_nothing():
+    plain, same = World(), World()
+    same.set_dynamics(drawn())
+    same.reset()
+    np.testing.assert_array_equal(moved(plain), moved(same))
+
+
+def test_drawn_dynamics_are_those_of_the_batch():
+    some = drawn(
+        mass=np.linspace(0.8, 1.2, 13)[None],
+        friction=np.array([0.7]),
+        kp=np.array([0.8]),
+        kd=np.array([1.2]),
+        delay=np.array([0.012]),
+    )
+    world = World()
+    world.set_dynamics(some)
+    world.reset()
+    batch = BatchWorld(BatchConfig(num_envs=1, threads=1, self_collision=True, leg_contact=True))
+    batch.set_dynamics(np.arange(1), some)
+    qpos = np.concatenate([world.state.base_pos, world.state.base_quat, world.state.joint_pos])
+    batch.reset(np.arange(1), qpos[None], np.zeros((1, 18)))
+    target = a1.STAND_JOINT_POS + np.tile([0.0, 0.1, -0.15], 4)
+    for _ in range(12):
+        one = world.step(target)
+        batch.step(target[None])
+        np.testing.assert_allclose(one.joint_pos, batch.joint_pos[0], atol=2e-3)
+    plain = moved(World())[-1]
+    assert np.abs(one.joint_pos - plain).max() > 5e-3
+
+
+def test_on_a_slope_the_robot_stands_tilted_wherever_it_is_put():
+    world = World()
+    world.set_dynamics(drawn(slope_axis=np.array([[0.0, 0.1]])))
+    pose = RobotPose(
+        base_pos=np.array([4.0, 1.0, 0.0]),
+        base_quat=geometry.IDENTITY_QUAT,
+        joint_pos=a1.STAND_JOINT_POS,
+        foot_contact=np.ones(4),
+    )
+    world.reset(pose)
+    for _ in range(45):
+        robot = world.step(a1.STAND_JOINT_POS)
+    assert robot.foot_contact.sum() == 4
+    assert geometry.quat_to_rpy(robot.base_quat)[1] == pytest.approx(0.1, abs=0.02)
+    assert robot.base_pos[2] == pytest.approx(0.27 - 4.0 * np.tan(0.1), abs=0.06)
