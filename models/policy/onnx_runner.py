@@ -24,7 +24,7 @@ class Runner:
         self.z, self.p, self.actions = np.tile(z, (4, 1)), np.tile(p, (4, 1)), np.zeros((3, 12))
         b, a = self.manifest["filter"]["b"], self.manifest["filter"]["a"]
         self.state = np.stack([(1 - b[0]) * z[:12], (b[2] - a[2]) * z[:12]]).astype(np.float32)
-        self.begun, self.heading, self.place = False, 0.0, 0j
+        self.begun, self.heading, self.steering, self.place = False, 0.0, 0.0, 0j
 
     def step(self, z: np.ndarray, p: np.ndarray, moved: tuple[float, float] = (0, 0)) -> np.ndarray:
         """(12,) rad for a PD with the manifest's kp and kd."""
@@ -45,7 +45,8 @@ class Runner:
         keep, turn, p = 1.0 - dt / hold["tau"], z[16] * dt, np.array(p)
         error = keep * (self.heading + p[15] * dt - turn)
         self.heading = min(max(error, -hold["heading_clip"]), hold["heading_clip"])
-        p[15] += hold["heading_gain"] * self.heading
+        self.steering += (self.heading - self.steering) * dt / max(hold["heading_smooth"], dt)
+        p[15] += hold["heading_gain"] * self.steering
         if hold["place_gain"]:  # as complex numbers: forward + i left
             asked = complex(p[16], p[17]) * dt * np.exp(1j * self.heading)
             self.place = keep * (self.place * np.exp(-1j * turn) + asked - complex(*moved))

@@ -181,6 +181,7 @@ class ImitationEnv(TrackingRobots):
         turn, place = self.config.init_heading, self.config.init_place
         if turn:
             self.history.heading_error[ids] = self.rng.uniform(-turn, turn, len(ids))
+            self.history.steering[ids] = self.history.heading_error[ids]
             self.anchor_yaw[ids] += self.history.heading_error[ids]
         if place:
             angle = self.rng.uniform(0.0, 2.0 * np.pi, len(ids))

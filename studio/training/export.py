@@ -82,6 +82,7 @@ def export_onnx(name: str | Path, out: Path) -> Path:
             "heading_gain": policy.observation.heading_gain,
             "place_gain": policy.observation.place_gain,
             "tau": policy.observation.hold_tau,
+            "heading_smooth": policy.observation.heading_smooth,
             "heading_clip": HEADING_CLIP,
             "place_clip": PLACE_CLIP,
             "makes_up_from": MAKES_UP_FROM,

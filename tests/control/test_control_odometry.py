@@ -137,6 +137,27 @@ def test_a_heading_that_is_missed_is_added_to_the_yaw_rate() -> None:
     assert history.reference[0, -2, YAW_RATE] == 0.3  # the past stays as it was
 
 
+def test_a_trunk_that_yaws_within_its_stride_hardly_steers_while_a_missed_turn_does() -> None:
+    def steering(smooth: float, gyro: np.ndarray) -> np.ndarray:
+        config = ObservationConfig(heading_gain=1.0, heading_smooth=smooth, hold_tau=1e9)
+        history, shown = History(1, config), []
+        z, p = frames()
+        history.reset(slice(None), z, p, STANDING)
+        for rate in gyro:
+            z[0, GYRO_YAW] = rate
+            history.push(z, p, STANDING)
+            shown.append(history.reference[0, -1, YAW_RATE])
+        return np.array(shown)
+
+    stride = np.cos(2.0 * np.pi * 2.0 * DT * np.arange(120))  # 2 Hz, 1 rad/s
+    swing = [np.ptp(steering(smooth, stride)[60:]) for smooth in (0.0, 1.0)]
+    # A first-order mean over 1 s passes 1 / |1 + 2 pi 2 i| = 1 / 12.6 of it.
+    assert swing[1] / swing[0] == pytest.approx(1.0 / 12.6, rel=0.15)
+    turned_away = np.zeros(150)
+    turned_away[:30] = 0.2  # 0.2 rad off after a second, then straight on
+    assert steering(1.0, turned_away)[-1] == pytest.approx(-0.2, rel=0.05)
+
+
 def test_way_that_is_missed_is_added_to_the_velocity_in_the_robots_heading() -> None:
     history = History(1, ObservationConfig(heading_gain=1.0, place_gain=1.0))
     z, p = frames(yaw_rate=0.0, forward=0.6)

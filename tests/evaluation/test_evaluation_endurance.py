@@ -1,4 +1,4 @@
-"""Minutes of driving: falls are counted and stood up from, time between them has an honest interval."""
+"""Minutes of driving: falls are counted and stood up from, with an honest interval."""
 
 import numpy as np
 import pytest

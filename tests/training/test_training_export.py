@@ -21,7 +21,7 @@ from studio.training.export import export_onnx
 REPO = Path(__file__).resolve().parents[2]
 
 
-HOLDING = ObservationConfig(heading_gain=1.0, place_gain=1.5)
+HOLDING = ObservationConfig(heading_gain=1.0, heading_smooth=0.5, place_gain=1.5)
 
 
 @pytest.fixture
