@@ -10,31 +10,17 @@ from studio import geometry, metrics
 from studio.reference.stances import NEUTRAL_FEET, tilt_of
 from studio.robot import a1, kinematics
 from studio.robot.a1 import CONTROL_DT, FOOT_RADIUS
-from studio.robot.pose import RobotPose
+from studio.takes.as_json import tick_dict
 from studio.takes.tick import Tick
 
 Array = NDArray[np.float64]
 EXPERTS = ("stand", "walk", "sit", "unknown")
 STATES = ("stand", "walk", "sit", "transition")
-_POSE = ("base_pos", "base_quat", "joint_pos", "foot_contact")
-
-
-def pose_dict(pose: RobotPose) -> dict[str, list[float]]:
-    """A pose as in a trace: base_pos, base_quat, joint_pos, foot_contact."""
-    return {name: [round(float(v), 6) for v in getattr(pose, name)] for name in _POSE}
 
 
 def trace_line(tick: Tick) -> dict[str, Any]:
     """One line of `--trace`."""
-    return {
-        "t": round(tick.t, 6),
-        "expert": tick.expert,
-        "state": tick.state,
-        "mode": tick.mode,
-        "reference": pose_dict(tick.reference),
-        "robot": pose_dict(tick.robot),
-        "target": [round(float(v), 6) for v in tick.target],
-    }
+    return tick_dict(tick, "trace", digits=6)
 
 
 class DriveReport:

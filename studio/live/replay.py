@@ -1,4 +1,4 @@
-"""A recorded take shown again: as it was, or under review as its edits leave it; at any speed."""
+"""A take shown again, as recorded or as its edits leave it: at any speed, paused, in a loop."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -11,8 +11,6 @@ from studio.takes.columns import Columns
 from studio.takes.edit.edited import open_table
 from studio.takes.edit.edits import Edits
 from studio.takes.edit.viewed import Viewed
-from studio.takes.names import take_folder
-from studio.takes.take import read_take
 from studio.takes.tick import Tick
 
 SPEEDS = (0.1, 4.0)
@@ -20,24 +18,25 @@ SPEEDS = (0.1, 4.0)
 _EPS = 1e-9
 
 
-class Transport:
+class Replay:
     """Remembers the time shown. Only the loop's thread calls it, but for its making.
 
+    Without edits it plays at once; under review it waits at the start of the trim.
     name: of the take. seconds: its length. range: (start, end) s within which it plays and loops.
+    aligned: whether the person is where lag and warp put them; None without edits.
     """
 
     def __init__(
-        self,
-        name: str,
-        seconds: float,
-        range: tuple[float, float] | None = None,
-        *,
-        playing: bool = False,
+        self, name: str, table: Columns, edits: Edits | None = None, *, aligned: bool = True
     ) -> None:
-        self.name, self.seconds = name, float(seconds)
-        start, end = range or (0.0, self.seconds)
+        """As `takes.edit.viewed`: StudioError for a take without ticks."""
+        self._take = Viewed(name, table, edits, aligned=aligned)
+        self._shown = -1
+        self.name, self.seconds = name, self._take.seconds
+        self.aligned = None if edits is None else aligned
+        start, end = (edits.trim if edits else None) or (0.0, self.seconds)
         self.range = (min(start, self.seconds), min(end, self.seconds))
-        self.t, self.playing, self.speed, self.loop = self.range[0], playing, 1.0, False
+        self.t, self.playing, self.speed, self.loop = self.range[0], edits is None, 1.0, False
 
     def seek(
         self,
@@ -65,7 +64,15 @@ class Transport:
             if playing and self.t >= self.range[1] - _EPS:
                 self.t = self.range[0]
 
-    def advance(self) -> float:
+    def step(self) -> Tick:
+        """The tick to show in this control period, the person new only if it is another row."""
+        tick = self._take.at(self._advance())
+        new, self._shown = tick.index != self._shown, tick.index
+        doing = "replay: paused or at its end" if self.aligned is None else "review: paused"
+        why = "" if self.playing else f"{doing}; play, or choose live"
+        return replace(tick, mode="replay", why=why, human_fresh=tick.human_fresh and new)
+
+    def _advance(self) -> float:
         """The time (s) to show in this control period; then time goes on, if it plays."""
         t = self.t
         if self.playing:
@@ -79,50 +86,13 @@ class Transport:
         return t
 
 
-class Replay(Transport):
-    """Holds the take's ticks; plays from the start at once."""
-
-    def __init__(self, name: str, ticks: list[Tick]) -> None:
-        """StudioError for a take without ticks."""
-        if not ticks:
-            raise StudioError(f"take {name!r} holds no ticks: nothing to replay")
-        # Ticks are one control period apart, whatever their source's clock did.
-        self._t = (np.array([tick.index for tick in ticks]) - ticks[0].index) * CONTROL_DT
-        self._ticks, self._shown = ticks, -1
-        super().__init__(name, self._t[-1], playing=True)
-
-    def step(self) -> Tick:
-        """The tick to show in this control period, its mode and `why` set."""
-        i = max(int(np.searchsorted(self._t, self.advance() + 1e-9)) - 1, 0)
-        new, self._shown = i != self._shown, i
-        tick = self._ticks[i]
-        why = "" if self.playing else "replay: paused or at its end; play, or choose live"
-        return replace(tick, mode="replay", why=why, human_fresh=tick.human_fresh and new)
-
-
-class Playback(Transport):
-    """Paused at the start of the take's trim until somebody plays it."""
-
-    def __init__(self, name: str, table: Columns, edits: Edits, *, aligned: bool = True) -> None:
-        """As `recording.viewed`: StudioError for a take without ticks."""
-        self._take = Viewed(name, table, edits, aligned=aligned)
-        self.aligned, self._shown = aligned, -1
-        super().__init__(name, self._take.seconds, edits.trim)
-
-    def step(self) -> Tick:
-        """The tick to show in this control period, its person new only if it is another row."""
-        tick = self._take.at(self.advance())
-        new, self._shown = tick.index != self._shown, tick.index
-        why = "" if self.playing else "review: paused; play, or choose live"
-        return replace(tick, human_fresh=new, why=why)
-
-
 def open_replay(sessions: Path, name: str) -> Replay:
-    """Read a take's ticks; any thread. StudioError if there is none of that name."""
-    return Replay(name, read_take(take_folder(sessions, name)).ticks)
+    """A take as it was recorded; any thread. StudioError if there is none of that name."""
+    table, _ = open_table(sessions, name)
+    return Replay(name, table)
 
 
-def open_playback(sessions: Path, name: str, *, aligned: bool = True) -> Playback:
-    """Read a take for review; any thread. StudioError if there is none of that name."""
+def open_review(sessions: Path, name: str, *, aligned: bool = True) -> Replay:
+    """A take for review; any thread. StudioError if there is none of that name."""
     table, edits = open_table(sessions, name)
-    return Playback(name, table, edits, aligned=aligned)
+    return Replay(name, table, edits, aligned=aligned)

@@ -11,7 +11,7 @@ from studio.human.calibration import Calibration, calibrate
 from studio.live.collect import Step
 from studio.live.collecting import Acting, Collector
 from studio.live.mappers import SHIPPED, Mappers, OpenedMapper
-from studio.live.replay import Playback, Replay
+from studio.live.replay import Replay
 from studio.live.safety import Safety, Situation
 from studio.live.source import OpenedSource, Reading, open_for
 from studio.puppeteer import Puppeteer
@@ -52,7 +52,7 @@ class Session:
         self.idle_by_source = not live  # nobody asked for idle: arming is enough to go live
         self.recorder = Recorder(config.sessions)
         self.recorded = 0  # ticks of the take being recorded
-        self.replay: Replay | Playback | None = None
+        self.replay: Replay | None = None
         self.collector = Collector(config.sessions, self.recorder)
         self.mappers = Mappers(self.puppeteer.retargeter.experts)
         self.acting = Acting()

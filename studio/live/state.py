@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from studio.robot.pose import RobotPose
+from studio.takes.as_json import part
 from studio.takes.tick import Tick
 
 if TYPE_CHECKING:
@@ -16,39 +16,29 @@ WINDOW = 300
 """Control periods over which the loop's punctuality is told: 10 s."""
 
 
-def pose_dict(pose: RobotPose) -> dict[str, list[float]]:
-    """A robot as in a tick's JSON: base_pos, base_quat, joint_pos, foot_contact."""
-    return {
-        name: [round(float(v), 5) for v in getattr(pose, name)]
-        for name in ("base_pos", "base_quat", "joint_pos", "foot_contact")
-    }
+_OF_TICK = ("t", "state", "transition_to", "expert", "votes", "fallen", "why", "counters")
 
 
 def state_dict(session: "Session", tick: Tick, period_error_ms: deque[float]) -> dict[str, Any]:
     """The keys of contract.md, and what a page shows besides."""
     puppeteer, safety, replay = session.puppeteer, session.safety, session.replay
     extractor = puppeteer.retargeter.extractor
+    now = part("tick", tick, "json")
     late = list(islice(reversed(period_error_ms), WINDOW)) or [0.0]
     p50, p95, p99 = np.percentile(late, [50, 95, 99]).tolist()
     return {
         "mode": session.mode,
-        "state": tick.state,
-        "transition_to": tick.transition_to,
+        **{key: now[key] for key in _OF_TICK},
         "state_lock": puppeteer.lock or "auto",
-        "expert": tick.expert,
-        "votes": {name: round(float(share), 3) for name, share in tick.votes.items()},
         "stopped": safety.stopped,
         "stops": safety.stops,
         "needs_reset": safety.needs_reset,
         "armed": safety.armed,
-        "fallen": tick.fallen,
-        "why": tick.why,
         "source": session.source.name,
         "scene": session.scene,
-        "latency_ms": {name: round(ms, 3) for name, ms in tick.timings_ms.items()},
+        "latency_ms": now["timings_ms"],
         "period_error_ms": {"p50": round(p50, 3), "p95": round(p95, 3), "p99": round(p99, 3)},
-        "counters": tick.counters,
-        "robot": pose_dict(tick.robot),
+        "robot": part("robot", tick.robot, "trace"),
         "controller": puppeteer.tracker.name,
         "style": puppeteer.config.style,
         "gains": puppeteer.gains,
@@ -71,9 +61,8 @@ def state_dict(session: "Session", tick: Tick, period_error_ms: deque[float]) ->
             "playing": replay.playing,
             "speed": replay.speed,
             "loop": replay.loop,
-            "aligned": getattr(replay, "aligned", None),
+            "aligned": replay.aligned,
         },
         "collect": session.collector.as_dict(),
         "mapper": session.mappers.as_dict(),
-        "t": round(tick.t, 4),
     }

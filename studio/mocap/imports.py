@@ -1,25 +1,23 @@
 """A motion file (BVH, or a recorded Kinect's frames) as the human side of a take."""
 
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from studio.errors import StudioError
-from studio.human.pose import HumanClip, HumanPose
+from studio.human.pose import HumanClip
 from studio.mocap.bvh import load_bvh
 from studio.mocap.frames import load_frames
 from studio.reference.stances import NEUTRAL
-from studio.robot import a1, kinematics
-from studio.robot.pose import ReferencePose, RobotState
+from studio.robot import a1
 from studio.takes import commands
 from studio.takes.export import adding
 from studio.takes.library import SessionLibrary
 from studio.takes.names import check_take, slug, take_folder
 from studio.takes.record.recorder import TAPE
 from studio.takes.take import Recorder, Take
-from studio.takes.tick import Tick
+from studio.takes.tick import Tick, tick_at_rest
 
 SUFFIXES = (".bvh", ".jsonl", ".json", ".ndjson")
 MAX_SECONDS = 6 * 3600.0
@@ -96,51 +94,18 @@ def import_human(
         raise StudioError(f"{file.name} was not imported: {error.strerror}") from error
 
 
-def _ticks(clip: HumanClip, beside: Take | None):
-    """The clip's frames beside the robot of a take, or beside one that stands."""
-    pose = NEUTRAL["stand"]
-    stand = ReferencePose(
-        base_pos=pose.base_pos,
-        base_quat=pose.base_quat,
-        joint_pos=pose.joint_pos,
-        foot_contact=np.ones(4),
-    )
-    feet = kinematics.foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos)
+_OF_ROBOT = (
+    "expert", "state", "controller", "reference", "action", "target", "robot", "fallen"
+)  # fmt: skip
+
+
+def _ticks(clip: HumanClip, beside: Take | None) -> Iterator[Tick]:
+    """The clip's frames beside the robot of a take, or beside one that stands.
+
+    Imported alone, nothing says what the person meant: no pairs until the take is labelled.
+    """
     count = len(clip) if beside is None else min(len(clip), len(beside))
     for i in range(count):
-        t = i * a1.CONTROL_DT
         then = None if beside is None else beside.ticks[i]
-        still = RobotState(
-            base_pos=pose.base_pos,
-            base_quat=pose.base_quat,
-            joint_pos=pose.joint_pos,
-            foot_contact=np.ones(4),
-            t=t + a1.CONTROL_DT,
-            base_lin_vel_w=np.zeros(3),
-            base_ang_vel_b=np.zeros(3),
-            joint_vel=np.zeros(12),
-            foot_pos_w=feet,
-            torque=np.zeros(12),
-        )
-        human = HumanPose(
-            t=float(clip.t[i]), joint_pos_w=clip.joint_pos_w[i], confidence=clip.confidence[i]
-        )
-        yield Tick(
-            index=i,
-            t=t,
-            human=human,
-            human_fresh=True,
-            expert="unknown" if then is None else then.expert,
-            votes={},
-            # Imported alone, nothing says what the person meant: no pairs until it is labelled.
-            state="idle" if then is None else then.state,
-            transition_to=None,
-            mode="collect",
-            controller="stand_still" if then is None else then.controller,
-            reference=stand if then is None else then.reference,
-            action=pose.joint_pos if then is None else then.action,
-            target=pose.joint_pos if then is None else then.target,
-            robot=still if then is None else then.robot,
-            clipped=False,
-            fallen=False if then is None else then.fallen,
-        )
+        known = {} if then is None else {key: getattr(then, key) for key in _OF_ROBOT}
+        yield tick_at_rest(i, clip[i], NEUTRAL["stand"], **known)

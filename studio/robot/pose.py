@@ -1,11 +1,17 @@
 """The robot at one instant: where it is (RobotPose) and all that is known of it (RobotState)."""
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Vector = Annotated[Array, (3,)]
+Quaternion = Annotated[Array, (4,)]
+PerJoint = Annotated[Array, (12,)]
+PerFoot = Annotated[Array, (4,)]
+FootPositions = Annotated[Array, (4, 3)]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,10 +23,10 @@ class RobotPose:
     probability (reference) or 0/1 (measured).
     """
 
-    base_pos: Array
-    base_quat: Array
-    joint_pos: Array
-    foot_contact: Array
+    base_pos: Vector
+    base_quat: Quaternion
+    joint_pos: PerJoint
+    foot_contact: PerFoot
 
     def __post_init__(self) -> None:
         assert self.base_pos.shape == (3,)
@@ -36,9 +42,9 @@ class ReferencePose(RobotPose):
     base_lin_vel_w: (3,) m/s, world. base_ang_vel_b: (3,) rad/s, body. joint_vel: (12,) rad/s.
     """
 
-    base_lin_vel_w: Array = field(default_factory=lambda: np.zeros(3))
-    base_ang_vel_b: Array = field(default_factory=lambda: np.zeros(3))
-    joint_vel: Array = field(default_factory=lambda: np.zeros(12))
+    base_lin_vel_w: Vector = field(default_factory=lambda: np.zeros(3))
+    base_ang_vel_b: Vector = field(default_factory=lambda: np.zeros(3))
+    joint_vel: PerJoint = field(default_factory=lambda: np.zeros(12))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,10 +58,10 @@ class RobotState(RobotPose):
     """
 
     t: float
-    base_lin_vel_w: Array
-    base_ang_vel_b: Array
-    joint_vel: Array
-    foot_pos_w: Array
-    torque: Array
+    base_lin_vel_w: Vector
+    base_ang_vel_b: Vector
+    joint_vel: PerJoint
+    foot_pos_w: FootPositions
+    torque: PerJoint
     trunk_contact: bool = False
     self_collision: bool = False

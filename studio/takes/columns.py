@@ -8,6 +8,7 @@ whoever needs all of it goes through it in blocks.
 import contextlib
 import os
 import threading
+import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,57 +19,40 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
+from studio.human.pose import HumanPose
 from studio.human.skeleton import NUM_JOINTS
 from studio.robot import a1
-from studio.takes.record.codec import LARGEST, HumanRow
+from studio.robot.pose import ReferencePose, RobotState
+from studio.takes.record import codec
 from studio.takes.record.recorder import TAPE
-from studio.takes.record.tape import TapeScan, scan
-from studio.takes.stored import Name, Seconds, decoded, read_json
+from studio.takes.record.tape import TapeScan
+from studio.takes.stored import read_json
+from studio.takes.tick import STREAMS, Field, Tick, fields_in
 
 CACHE = ".cache"
-VERSION = 2
-ROW = np.dtype(
-    [
-        ("t", "f8"),  # s into the source
-        ("human_t", "f8"),  # s, the source's own clock; NaN before the first pose
-        ("fresh", "?"),  # a new pose came with this tick
-        ("fallen", "?"),
-        ("state", "u1"),  # indices into Columns.names
-        ("expert", "u1"),
-        ("human", "f4", (NUM_JOINTS, 3)),
-        ("confidence", "f4", (NUM_JOINTS,)),
-        *(
-            (f"{who}_{key}", "f4", shape)
-            for who in ("reference", "robot")
-            for key, shape in (
-                ("base_pos", (3,)), ("base_quat", (4,)), ("joint_pos", (12,)),
-                ("foot_contact", (4,)),
-            )
-        ),
-    ]
-)  # fmt: skip
+_NAMED = 40
+"""Characters of a name that are kept."""
+
+
+def _kind(field: Field) -> tuple:
+    """A field as a column; what has a name is an index into Columns.names."""
+    if field.shape is not None:
+        return (field.column, "f4", field.shape)
+    if field.keys:
+        return (field.column, "f4", (len(field.keys),))  # NaN where a key is missing
+    return (field.column, {float: "f8", bool: "?", int: "i8"}.get(codec.bare(field.type), "u1"))
+
+
+_FIELDS = {stream: fields_in("columns", stream) for stream in STREAMS}
+ROW = np.dtype([("fresh", "?"), *(_kind(f) for fields in _FIELDS.values() for f in fields)])
+"""A row. fresh: a new pose came with this tick. human_t: s, the source's own clock; NaN before the
+first pose, as the person's joints. The rest as in `tick.FIELDS`."""
+VERSION = zlib.crc32(repr(ROW.descr).encode())
 _BLOCK = 1024
 _building = threading.Lock()
 
 
-class _Pose(msgspec.Struct):
-    base_pos: list[float]
-    base_quat: list[float]
-    joint_pos: list[float]
-    foot_contact: list[float]
-
-
-class _Tick(msgspec.Struct):
-    t: Seconds
-    state: Name
-    expert: Name
-    human: bool
-    fallen: bool
-
-
-_human = msgspec.json.Decoder(HumanRow)
-_pose = msgspec.json.Decoder(_Pose)
-_tick = msgspec.json.Decoder(_Tick)
+_PARSE = {stream: codec.parser("columns", stream) for stream in STREAMS}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -195,61 +179,67 @@ def _in_memory(tape: Path) -> Columns:
 
 def _rows(tape: Path, found: TapeScan, names: list[str]) -> Iterator[NDArray[Any]]:
     """Blocks of rows of every whole tick, up to the first damage; a buffer that is reused."""
-    buffer, used = np.zeros(_BLOCK, ROW), 0
-    pose: tuple | None = None
-    fresh = False
-    parts: dict[str, tuple[int, tuple]] = {}
     index: dict[str, int] = {}
-    for message in scan(tape, found):
-        try:
-            if message.topic == "human":
-                human = decoded(message.data, _human)
-                pose, fresh = (human.t, human.positions, human.confidence), True
-            elif message.topic in ("reference", "robot"):
-                r = decoded(message.data, _pose)
-                value = (r.base_pos, r.base_quat, r.joint_pos, r.foot_contact)
-                parts[message.topic] = message.sequence, value
-            elif message.topic == "tick":
-                tick = decoded(message.data, _tick)
-                if not tick.human:
-                    pose, fresh = None, False
-                row = buffer[used]
-                seen = pose or (np.nan, np.full((NUM_JOINTS, 3), np.nan), np.zeros(NUM_JOINTS))
-                row["t"], row["human_t"] = tick.t, seen[0]
-                row["fresh"], row["fallen"] = fresh, tick.fallen
-                with np.errstate(over="ignore"):  # float32's infinity is found below
-                    row["human"], row["confidence"] = seen[1], seen[2]
-                    for who in ("reference", "robot"):
-                        number, value = parts[who]
-                        if number != message.sequence:
-                            raise ValueError("its streams do not belong together")
-                        for key, v in zip(_Pose.__struct_fields__, value, strict=True):
-                            row[f"{who}_{key}"] = v
-                for key, name in (("state", tick.state), ("expert", tick.expert)):
-                    if name not in index:
-                        index[name] = len(names)
-                        names.append(name[:40])
-                    row[key] = index[name]
-                _check(row, pose is not None)
-                fresh, used = False, used + 1
-                if used == _BLOCK:
-                    yield buffer
-                    used = 0
-        except (ValueError, KeyError, OverflowError) as error:
-            found.problem = f"tick {message.sequence} is damaged: {error}"
-            break
+    nobody = [np.nan, np.full((NUM_JOINTS, 3), np.nan), np.zeros(NUM_JOINTS)]
+
+    def number(name: str) -> int:
+        if name not in index:
+            index[name] = len(names)
+            names.append(name[:_NAMED])
+        return index[name]
+
+    def stored(row: Any, field: Field) -> Any:
+        value = getattr(row, field.name)
+        if value is msgspec.UNSET:
+            value = field.default()
+        if field.keys:  # NaN where one is missing
+            return [value.get(key, np.nan) for key in field.keys]
+        return number(value or "") if ROW[field.column] == "u1" else value
+
+    buffer, used = np.zeros(_BLOCK, ROW), 0
+
+    def fill(tick: Any, human: Any, fresh: bool, reference: Any, robot: Any) -> None:
+        for pose in (reference, robot):
+            codec.check_rotation(pose.base_quat)
+        parts = {"human": human, "reference": reference, "robot": robot, "tick": tick}
+        values: list[Any] = [fresh]
+        for stream, fields in _FIELDS.items():
+            part = parts[stream]
+            values += nobody if part is None else [stored(part, field) for field in fields]
+        buffer[used] = tuple(values)
+
+    for _ in codec.read_periods(tape, found, _PARSE, fill):
+        used += 1
+        if used == _BLOCK:
+            yield buffer
+            used = 0
     if used:
         yield buffer[:used]
 
 
-def _check(row: Any, human: bool) -> None:
-    """ValueError unless everything in it is finite and of a plausible size."""
-    for who in ("reference", "robot"):
-        if not all(
-            (np.abs(row[f"{who}_{key}"]) <= LARGEST).all() for key in _Pose.__struct_fields__
-        ):
-            raise ValueError("a pose is of no plausible size")
-        if abs(np.linalg.norm(row[f"{who}_base_quat"]) - 1.0) > 1e-3:
-            raise ValueError("base_quat is no rotation")
-    if human and not (np.abs(row["human"]) <= LARGEST).all():
-        raise ValueError("a human pose is of no plausible size")
+def tick_of(table: Columns, i: int, human: HumanPose | None) -> Tick:
+    """Row i as a tick, at i control periods, with the person that is given."""
+    row = table.rows[i]
+
+    def value(field: Field) -> Any:
+        stored = row[field.column]
+        if field.shape is not None:
+            return np.asarray(stored, dtype=np.float64)
+        if field.keys:
+            shares = zip(field.keys, stored.tolist(), strict=True)
+            return {key: share for key, share in shares if np.isfinite(share)}
+        if ROW[field.column] == "u1":
+            return (table.names[stored] if stored < len(table.names) else "unknown") or None
+        return stored.item()
+
+    parts = {
+        stream: {field.attr: value(field) for field in _FIELDS[stream]}
+        for stream in ("reference", "robot", "tick")
+    }
+    parts["tick"] |= {"index": i, "t": i * a1.CONTROL_DT, "human_fresh": bool(row["fresh"])}
+    return Tick(
+        human=human,
+        reference=ReferencePose(**parts["reference"]),
+        robot=RobotState(**parts["robot"]),
+        **parts["tick"],
+    )

@@ -1,7 +1,7 @@
 """A take's folder back to what happened: ticks one by one, or arrays of all of them."""
 
 import logging
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -12,15 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
-from studio.human.pose import HumanClip, HumanPose
+from studio.human.pose import HumanClip
 from studio.robot import a1
-from studio.robot.pose import ReferencePose, RobotState
 from studio.takes.edit.edits import Edits, read_edits
 from studio.takes.record import codec
 from studio.takes.record.recorder import FORMAT_VERSION, META, TAPE, Recorder
-from studio.takes.record.tape import TapeScan, scan
+from studio.takes.record.tape import TapeScan
 from studio.takes.stored import Count, Line, Name, Seconds, read_json
-from studio.takes.tick import Tick
+from studio.takes.tick import Tick, fields_in
 
 __all__ = ["Recorder", "Take", "TakeArrays", "iter_ticks", "read_meta", "read_take", "survey_take"]
 
@@ -30,22 +29,26 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, kw_only=True)
 class TakeArrays:
-    """A take as arrays over its T ticks; keys of `reference` and `robot` as in RobotState.
+    """A take as arrays over its T ticks; keys of each stream as in Tick, ReferencePose, RobotState.
 
     human_index: (T,) row of the take's `human` clip in use, -1 before the first.
-    expert, state, mode: a name per tick.
+    tick: of numbers an array, of what has names a list.
     """
 
-    t: Array
-    index: NDArray[np.int64]
     human_index: NDArray[np.int64]
-    reference: dict[str, Array]
-    robot: dict[str, Array]
-    action: Array
-    target: Array
-    expert: list[str]
-    state: list[str]
-    mode: list[str]
+    reference: dict[str, NDArray[Any]]
+    robot: dict[str, NDArray[Any]]
+    tick: dict[str, Any]
+
+    @property
+    def target(self) -> Array:
+        """(T, 12) rad, the PD targets."""
+        return self.tick["target"]
+
+    @property
+    def state(self) -> list[str]:
+        """The state in each tick."""
+        return self.tick["state"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,26 +91,23 @@ class Take:
         ticks = self.ticks
         index = np.arange(len(ticks))
         return TakeArrays(
-            t=np.array([tick.t for tick in ticks], dtype=np.float64),
-            index=np.array([tick.index for tick in ticks], dtype=np.int64),
             human_index=np.searchsorted(self.human_tick, index, side="right") - 1,
-            reference=_stack([tick.reference for tick in ticks], codec.REFERENCE_SHAPES),
-            robot=_stack([tick.robot for tick in ticks], codec.ROBOT_SHAPES),
-            action=np.array([tick.action for tick in ticks]).reshape(-1, 12),
-            target=np.array([tick.target for tick in ticks]).reshape(-1, 12),
-            expert=[tick.expert for tick in ticks],
-            state=[tick.state for tick in ticks],
-            mode=[tick.mode for tick in ticks],
+            reference=_stack([tick.reference for tick in ticks], "reference"),
+            robot=_stack([tick.robot for tick in ticks], "robot"),
+            tick=_stack(ticks, "tick"),
         )
 
 
-def _stack(
-    poses: list[ReferencePose] | list[RobotState], shapes: dict[str, tuple[int, ...]]
-) -> dict[str, Array]:
-    return {
-        key: np.array([getattr(pose, key) for pose in poses]).reshape(-1, *shape)
-        for key, shape in shapes.items()
-    }
+def _stack(values: Sequence[Any], stream: str) -> dict[str, Any]:
+    out: dict[str, Any] = {}
+    for field in fields_in("tape", stream):
+        column = [getattr(value, field.attr) for value in values]
+        kind = codec.bare(field.type)
+        if field.shape is not None:
+            out[field.attr] = np.array(column, dtype=np.float64).reshape(-1, *field.shape)
+        else:
+            out[field.attr] = np.array(column, kind) if kind in (bool, int, float) else column
+    return out
 
 
 class _Collected(msgspec.Struct):
@@ -178,7 +178,7 @@ def survey_take(path: Path) -> Survey:
     """Read a take's folder (or its tape) tick by tick, in bounded memory. Errors as `read_take`."""
     folder, meta, problems = _open(path)
     found = TapeScan()
-    count = sum(1 for _ in _assemble(folder / TAPE, found))
+    count = sum(1 for _ in codec.read_ticks(folder / TAPE, found))
     problems += _troubles(found, meta, count)
     return Survey(ticks=count, complete=found.complete, problems=tuple(problems))
 
@@ -192,7 +192,7 @@ def read_take(path: Path) -> Take:
     found = TapeScan()
     ticks: list[Tick] = []
     human_tick: list[int] = []
-    for n, (tick, fresh) in enumerate(_assemble(folder / TAPE, found)):
+    for n, (tick, fresh) in enumerate(codec.read_ticks(folder / TAPE, found)):
         ticks.append(tick)
         if fresh:
             human_tick.append(n)
@@ -238,39 +238,8 @@ def _troubles(found: TapeScan, meta: dict[str, Any], count: int) -> list[str]:
 
 def iter_ticks(path: Path, found: TapeScan | None = None) -> Iterator[Tick]:
     """The whole ticks of a take's folder, one at a time, in bounded memory; then look at found."""
-    for tick, _ in _assemble(Path(path) / TAPE, found or TapeScan()):
+    for tick, _ in codec.read_ticks(Path(path) / TAPE, found or TapeScan()):
         yield tick
-
-
-def _assemble(tape: Path, found: TapeScan) -> Iterator[tuple[Tick, bool]]:
-    """Ticks, each with whether a new human pose came with it."""
-    human: HumanPose | None = None
-    fresh = False
-    reference: tuple[int, ReferencePose] | None = None
-    robot: tuple[int, RobotState] | None = None
-    for message in scan(tape, found):
-        try:
-            if message.topic == "human":
-                human, fresh = codec.decode_human(message.data), True
-            elif message.topic == "reference":
-                reference = message.sequence, codec.decode_reference(message.data)
-            elif message.topic == "robot":
-                robot = message.sequence, codec.decode_robot(message.data)
-            elif message.topic == "tick":
-                number = message.sequence
-                if reference is None or robot is None:
-                    raise ValueError("a stream is missing")
-                if reference[0] != number or robot[0] != number:
-                    raise ValueError("its streams do not belong together")
-                tick = codec.decode_tick(message.data, human, reference[1], robot[1])
-                if tick.human is None:
-                    human, fresh = None, False
-                yield tick, fresh
-                fresh = False
-        except (ValueError, OverflowError) as error:
-            found.complete = False
-            found.problem = f"tick {message.sequence} is damaged: {error}"
-            return
 
 
 def _clip(name: str, ticks: list[Tick], human_tick: list[int]) -> HumanClip | None:

@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 from studio.errors import StudioError
 from studio.live.command import Command, Made
-from studio.live.replay import SPEEDS, Playback, Transport, open_playback
+from studio.live.replay import SPEEDS, Replay, open_review
 
 if TYPE_CHECKING:
     from studio.live.session import Session
@@ -59,7 +59,7 @@ class Seeking(BaseModel):
     speed: float | None = Field(default=None, allow_inf_nan=False, ge=SPEEDS[0], le=SPEEDS[1])
     loop: bool | None = None
 
-    def seek(self, replay: Transport) -> None:
+    def seek(self, replay: Replay) -> None:
         """Move there; what is None stays."""
         replay.seek(self.t, self.playing, self.speed, self.loop)
 
@@ -87,13 +87,13 @@ class ShowTake(Seeking, Command, extra="forbid"):
     name: str
     aligned: bool = True
 
-    def prepare(self, session: "Session") -> Playback:
+    def prepare(self, session: "Session") -> Replay:
         """Read its table, which takes seconds for a take of an hour."""
-        playback = open_playback(session.config.sessions, self.name, aligned=self.aligned)
-        self.seek(playback)
-        return playback
+        replay = open_review(session.config.sessions, self.name, aligned=self.aligned)
+        self.seek(replay)
+        return replay
 
-    def apply(self, session: "Session", now: float, prepared: Playback) -> Made:
+    def apply(self, session: "Session", now: float, prepared: Replay) -> Made:
         """Replay it."""
         session.replay = prepared
         session.enter("replay", now)

@@ -9,27 +9,23 @@ from numpy.typing import NDArray
 from studio.robot import a1
 from studio.takes.export.extent import tick_range
 from studio.takes.take import Take
+from studio.takes.tick import fields_in
 
 
 def write_npz(take: Take, path: Path) -> None:
-    """Arrays per tick: t, reference_*, robot_*, action, target, human_pos (T, 19, 3), human_index
-    (-1 before the first), expert, state; and meta (JSON), dt, lag."""
+    """Arrays per tick: t, index, reference_*, robot_*, action, target, expert, state; human_index
+    (-1 before the first) into human_t, human_pos (M, 19, 3); and meta (JSON), dt, lag."""
     start, end = tick_range(take)
     arrays, cut = take.arrays, slice(start, end)
     out: dict[str, NDArray] = {
-        "t": arrays.t[cut],
-        "index": arrays.index[cut],
         "human_index": arrays.human_index[cut],
-        "action": arrays.action[cut],
-        "target": arrays.target[cut],
-        "expert": np.array(arrays.expert[cut]),
-        "state": np.array(arrays.state[cut]),
         "dt": np.array(a1.CONTROL_DT),
         "lag": np.array(take.edits.lag or 0.0),
         "meta": np.array(msgspec.json.encode(take.meta | {"label": take.label}).decode()),
     }
-    for prefix, group in (("reference", arrays.reference), ("robot", arrays.robot)):
-        out |= {f"{prefix}_{key}": value[cut] for key, value in group.items()}
+    for stream in ("reference", "robot", "tick"):
+        group = getattr(arrays, stream)
+        out |= {f.column: np.array(group[f.attr][cut]) for f in fields_in("npz", stream)}
     if take.human is not None:
         out["human_t"] = take.human.t
         out["human_pos"] = take.human.joint_pos_w

@@ -73,15 +73,9 @@ def _channels(writer: Writer) -> dict[str, int]:
 def _streams(take: Take, n: int) -> dict[str, bytes]:
     """The tape's own messages of a tick; the person only when somebody new was seen."""
     tick = take.ticks[n]
-    out = {}
     i = int(take.arrays.human_index[n])
-    if tick.human is not None and i >= 0 and take.human_tick[i] == n:
-        out["/human"] = codec.encode_human(tick.human)
-    return out | {
-        "/reference": codec.encode_reference(tick.reference),
-        "/robot": codec.encode_robot(tick.robot),
-        "/tick": codec.encode_tick(tick),
-    }
+    new = i >= 0 and bool(take.human_tick[i] == n)
+    return {f"/{stream}": data for stream, data in codec.messages(tick, person=new).items()}
 
 
 class _Figures:

@@ -9,6 +9,11 @@ from studio.robot import a1
 from studio.takes.export.extent import tick_range
 from studio.takes.record import codec
 from studio.takes.take import Take
+from studio.takes.tick import fields_in
+
+_STREAMS = {
+    stream: [f for f in fields_in("npz", stream) if f.shape] for stream in ("reference", "robot")
+}
 
 
 def write_csv(take: Take, path: Path) -> None:
@@ -18,16 +23,19 @@ def write_csv(take: Take, path: Path) -> None:
         writer = csv.writer(file)
         writer.writerow(["t", "expert", "state", *_columns()])
         for tick in take.ticks[start:end]:
-            values = [getattr(tick.reference, k).ravel() for k in codec.REFERENCE_SHAPES]
-            values += [getattr(tick.robot, k).ravel() for k in codec.ROBOT_SHAPES]
+            values = [
+                getattr(getattr(tick, stream), field.attr).ravel()
+                for stream, fields in _STREAMS.items()
+                for field in fields
+            ]
             numbers = np.round(np.concatenate([*values, tick.target]), codec.DECIMALS)
             writer.writerow([round(tick.t, 6), tick.expert, tick.state, *numbers.tolist()])
 
 
 def _columns() -> list[str]:
     out = []
-    for prefix, shapes in (("reference", codec.REFERENCE_SHAPES), ("robot", codec.ROBOT_SHAPES)):
-        for key, shape in shapes.items():
-            parts = a1.JOINTS if shape == (12,) else [str(i) for i in range(int(np.prod(shape)))]
-            out += [f"{prefix}_{key}_{part}" for part in parts]
+    for field in (field for fields in _STREAMS.values() for field in fields):
+        shape = field.shape or ()
+        parts = a1.JOINTS if shape == (12,) else [str(i) for i in range(int(np.prod(shape)))]
+        out += [f"{field.column}_{part}" for part in parts]
     return out + [f"target_{joint}" for joint in a1.JOINTS]

@@ -1,226 +1,205 @@
 """A Tick to the messages of a tape and back: four streams, JSON, rounded to a micrometre.
 
 Streams: human (only when a new pose came; its publish time is the source's own clock), reference,
-robot and tick (every control period, in this order: a period whose tick is missing is torn).
+robot and tick (every control period, in this order: a period whose tick is missing is torn). What
+is in each is said by `tick.FIELDS`.
 """
 
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from pathlib import Path
+from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 import msgspec
 import numpy as np
 
 from studio.human.pose import HumanPose
-from studio.human.skeleton import JOINTS, NUM_JOINTS
+from studio.human.skeleton import JOINTS
 from studio.robot.pose import ReferencePose, RobotState
-from studio.takes.stored import Count, Line, Name, Seconds, decoded
-from studio.takes.tick import Tick
+from studio.takes.record.tape import TapeScan, scan
+from studio.takes.stored import Seconds, decoded
+from studio.takes.tick import STREAMS, Field, Tick, fields_in
+
+T = TypeVar("T")
 
 DECIMALS = 6
 """Micrometres and microradians: far below any sensor, and half the size on disk."""
-
-REFERENCE_SHAPES = {
-    "base_pos": (3,), "base_quat": (4,), "joint_pos": (12,), "foot_contact": (4,),
-    "base_lin_vel_w": (3,), "base_ang_vel_b": (3,), "joint_vel": (12,),
-}  # fmt: skip
-ROBOT_SHAPES = REFERENCE_SHAPES | {"foot_pos_w": (4, 3), "torque": (12,)}
-_TICK_ARRAYS = {"action": (12,), "target": (12,)}
-_TICK_PLAIN = (
-    "index", "t", "human_fresh", "expert", "votes", "state", "transition_to", "mode",
-    "controller", "clipped", "fallen", "why", "timings_ms", "counters",
-)  # fmt: skip
-
+CLOCK_DECIMALS = 9
+"""Nanoseconds of a source's or the simulator's clock."""
+SHARE_DECIMALS = 4
+"""Of votes, and of milliseconds."""
 LARGEST = 1e6
 """No length, angle, speed or torque of ours is larger; what is, is damage."""
 
+_Number = Annotated[float, msgspec.Meta(ge=-LARGEST, le=LARGEST)]
 _encode = msgspec.json.Encoder().encode
+_TITLES = {
+    "human": "HumanPose, skeleton studio", "reference": "ReferencePose", "robot": "RobotState",
+    "tick": "Tick",
+}  # fmt: skip
+_TYPES = {"human": HumanPose, "reference": ReferencePose, "robot": RobotState}
+_FIELDS = {stream: fields_in("tape", stream) for stream in STREAMS}
 
 
-class HumanRow(msgspec.Struct):
-    """The human stream's message, its numbers not yet counted."""
-
-    t: Seconds
-    positions: list[list[float]]
-    confidence: list[float]
-
-
-class ReferenceRow(msgspec.Struct):
-    """The reference stream's."""
-
-    base_pos: list[float]
-    base_quat: list[float]
-    joint_pos: list[float]
-    foot_contact: list[float]
-    base_lin_vel_w: list[float]
-    base_ang_vel_b: list[float]
-    joint_vel: list[float]
+def bare(annotation: Any) -> Any:
+    """The type without what Annotated says of it: float, bool, dict …"""
+    while get_origin(annotation) is Annotated:
+        annotation = get_args(annotation)[0]
+    return get_origin(annotation) or annotation
 
 
-class RobotRow(ReferenceRow):
-    """The robot stream's."""
-
-    t: Seconds
-    foot_pos_w: list[list[float]]
-    torque: list[float]
-    trunk_contact: bool
-    self_collision: bool
-
-
-class TickRow(msgspec.Struct):
-    """The tick stream's."""
-
-    index: Count
-    t: Seconds
-    human_fresh: bool
-    expert: Name
-    votes: dict[Name, float]
-    state: Name
-    transition_to: Name | None
-    mode: Name
-    controller: Name
-    clipped: bool
-    fallen: bool
-    why: Line
-    timings_ms: dict[Name, float]
-    counters: dict[Name, Count]
-    human: bool
-    action: list[float]
-    target: list[float]
-
-
-_human = msgspec.json.Decoder(HumanRow)
-_reference = msgspec.json.Decoder(ReferenceRow)
-_robot = msgspec.json.Decoder(RobotRow)
-_tick = msgspec.json.Decoder(TickRow)
-
-
-def _array_schema(shape: tuple[int, ...], text: str = "") -> dict[str, Any]:
-    item: dict[str, Any] = {"type": "number"}
-    for size in reversed(shape):
-        item = {"type": "array", "items": item, "minItems": size, "maxItems": size}
-    return item | ({"description": text} if text else {})
-
-
-def _object(properties: dict[str, Any], title: str) -> bytes:
-    return _encode({"type": "object", "title": title, "properties": properties})
-
-
-def _schemas() -> dict[str, bytes]:
-    number, text, flag = {"type": "number"}, {"type": "string"}, {"type": "boolean"}
-    plain: dict[str, Any] = dict.fromkeys(_TICK_PLAIN, text)
-    plain |= {"index": {"type": "integer"}, "t": number, "transition_to": {}}
-    plain |= dict.fromkeys(("human", "human_fresh", "clipped", "fallen"), flag)
-    plain |= {key: {"type": "object"} for key in ("votes", "timings_ms", "counters")}
-    arrays = {k: _array_schema(v) for k, v in _TICK_ARRAYS.items()}
-    joints = "m, z up, x forward, y left; order: " + " ".join(JOINTS)
-    human = {
-        "t": number,
-        "positions": _array_schema((NUM_JOINTS, 3), joints),
-        "confidence": _array_schema((NUM_JOINTS,)),
-    }
-    robot = {k: _array_schema(v) for k, v in ROBOT_SHAPES.items()}
-    return {
-        "human": _object(human, "HumanPose, skeleton studio"),
-        "reference": _object(
-            {k: _array_schema(v) for k, v in REFERENCE_SHAPES.items()}, "ReferencePose"
-        ),
-        "robot": _object(
-            {"t": number, **robot, "trunk_contact": flag, "self_collision": flag}, "RobotState"
-        ),
-        "tick": _object(plain | arrays, "Tick"),
-    }
-
-
-SCHEMAS: dict[str, bytes] = _schemas()
-
-
-def _plain(value: np.ndarray) -> list:
-    return np.round(value, DECIMALS).tolist()
-
-
-def encode_human(pose: HumanPose) -> bytes:
-    """A human pose as a frame of contract.md (skeleton "studio")."""
-    return _encode(
-        {
-            "t": round(pose.t, 9),
-            "skeleton": "studio",
-            "positions": _plain(pose.joint_pos_w),
-            "confidence": _plain(pose.confidence),
-        }
-    )
-
-
-def encode_reference(pose: ReferencePose) -> bytes:
-    """The reference stream's message."""
-    return _encode({key: _plain(getattr(pose, key)) for key in REFERENCE_SHAPES})
-
-
-def encode_robot(state: RobotState) -> bytes:
-    """The robot stream's message."""
-    out: dict[str, Any] = {key: _plain(getattr(state, key)) for key in ROBOT_SHAPES}
-    out["t"] = round(state.t, 9)
-    out["trunk_contact"] = bool(state.trunk_contact)
-    out["self_collision"] = bool(state.self_collision)
-    return _encode(out)
-
-
-def encode_tick(tick: Tick) -> bytes:
-    """The tick stream's message: all of a tick that is in no other stream."""
-    out = {key: getattr(tick, key) for key in _TICK_PLAIN}
-    out["votes"] = {k: round(float(v), 4) for k, v in tick.votes.items()}
-    out["timings_ms"] = {k: round(float(v), 4) for k, v in tick.timings_ms.items()}
-    out["human_fresh"], out["clipped"] = bool(tick.human_fresh), bool(tick.clipped)
-    out["fallen"] = bool(tick.fallen)
-    out["human"] = tick.human is not None
-    return _encode(out | {key: _plain(getattr(tick, key)) for key in _TICK_ARRAYS})
-
-
-def array(key: str, value: object, shape: tuple[int, ...]) -> np.ndarray:
-    """A row's numbers as an array of that shape; ValueError for another one, or for damage."""
-    out = np.array(value, dtype=np.float64)
-    if out.shape != shape or not (np.abs(out) <= LARGEST).all():
-        raise ValueError(f"{key} is not {shape} numbers of a plausible size")
-    if key == "base_quat" and abs(np.linalg.norm(out) - 1.0) > 1e-3:
-        raise ValueError(f"{key} is no rotation")
+def _stored(field: Field) -> Any:
+    """What a field may be in JSON."""
+    if field.shape is None:
+        return Seconds if field.type is float else field.type
+    out: Any = _Number
+    for size in reversed(field.shape):
+        out = Annotated[list[out], msgspec.Meta(min_length=size, max_length=size)]
     return out
 
 
-def _arrays(row: object, shapes: dict[str, tuple[int, ...]]) -> dict[str, Any]:
-    return {key: array(key, getattr(row, key), shape) for key, shape in shapes.items()}
+def decoder(form: str, stream: str) -> msgspec.json.Decoder[Any]:
+    """Reads of a stream's messages what a form holds; UNSET for what came after the take."""
+    rows: list[Any] = [("human", bool)] if stream == "tick" else []
+    for field in fields_in(form, stream):
+        kind = _stored(field)
+        optional = (field.name, kind | msgspec.UnsetType, msgspec.UNSET)
+        rows.append((field.name, kind) if field.default is None else optional)
+    return msgspec.json.Decoder(msgspec.defstruct(f"{stream}_row", rows, kw_only=True))
 
 
-def decode_human(data: bytes) -> HumanPose:
-    """The inverse of `encode_human`; ValueError on damage, as all of these."""
-    row = decoded(data, _human)
-    return HumanPose(
-        t=row.t,
-        joint_pos_w=array("positions", row.positions, (NUM_JOINTS, 3)),
-        confidence=array("confidence", row.confidence, (NUM_JOINTS,)),
-    )
+def parser(form: str, stream: str) -> Callable[[bytes], Any]:
+    """`decoder`'s row of a message; ValueError on damage."""
+    reads = decoder(form, stream)
+    return lambda data: decoded(data, reads)
 
 
-def decode_reference(data: bytes) -> ReferencePose:
-    """The inverse of `encode_reference`."""
-    return ReferencePose(**_arrays(decoded(data, _reference), REFERENCE_SHAPES))
+_parsers = {stream: parser("tape", stream) for stream in STREAMS}
 
 
-def decode_robot(data: bytes) -> RobotState:
-    """The inverse of `encode_robot`."""
-    row = decoded(data, _robot)
-    return RobotState(
-        t=row.t,
-        trunk_contact=row.trunk_contact,
-        self_collision=row.self_collision,
-        **_arrays(row, ROBOT_SHAPES),
-    )
+def _schema(stream: str) -> bytes:
+    names = {float: "number", bool: "boolean", int: "integer", str: "string", dict: "object"}
+    properties: dict[str, Any] = {"human": {"type": "boolean"}} if stream == "tick" else {}
+    for field in _FIELDS[stream]:
+        kind = names.get(bare(field.type))
+        item: dict[str, Any] = {"type": kind} if kind else {}
+        if field.shape is not None:
+            item = {"type": "number"}
+        for size in reversed(field.shape or ()):
+            item = {"type": "array", "items": item, "minItems": size, "maxItems": size}
+        properties[field.name] = item
+    if stream == "human":
+        order = "m, z up, x forward, y left; order: " + " ".join(JOINTS)
+        properties["positions"]["description"] = order
+    return _encode({"type": "object", "title": _TITLES[stream], "properties": properties})
 
 
-def decode_tick(
-    data: bytes, human: HumanPose | None, reference: ReferencePose, robot: RobotState
-) -> Tick:
-    """The inverse of `encode_tick`, given the other streams' values of the same period."""
-    row = decoded(data, _tick)
-    plain = {key: getattr(row, key) for key in _TICK_PLAIN}
-    human = human if row.human else None
-    return Tick(
-        human=human, reference=reference, robot=robot, **plain, **_arrays(row, _TICK_ARRAYS)
-    )
+SCHEMAS: dict[str, bytes] = {stream: _schema(stream) for stream in STREAMS}
+
+
+def _packer(field: Field) -> Callable[[Any], Any]:
+    """A value to what JSON holds of it."""
+    kind = bare(field.type)
+    if field.shape is not None:
+        return lambda value: np.round(value, DECIMALS).tolist()
+    if kind is dict:
+        return lambda value: {
+            k: v if isinstance(v, int) else round(float(v), SHARE_DECIMALS)
+            for k, v in value.items()
+        }
+    if kind is float and field.stream != "tick":
+        return lambda value: round(float(value), CLOCK_DECIMALS)
+    return kind if kind in (bool, int, float) else lambda value: value
+
+
+_PACKERS = {stream: [(f.attr, f.name, _packer(f)) for f in _FIELDS[stream]] for stream in STREAMS}
+
+
+def encode(stream: str, value: HumanPose | ReferencePose | RobotState | Tick) -> bytes:
+    """A stream's message; of a human pose a frame of contract.md (skeleton "studio")."""
+    out: dict[str, Any] = {"skeleton": "studio"} if stream == "human" else {}
+    out |= {name: pack(getattr(value, attr)) for attr, name, pack in _PACKERS[stream]}
+    if isinstance(value, Tick):
+        out["human"] = value.human is not None
+    return _encode(out)
+
+
+def messages(tick: Tick, *, person: bool) -> dict[str, bytes]:
+    """A period's messages by stream, in their order; person: the human pose is a new one."""
+    parts = {"human": tick.human} if person and tick.human is not None else {}
+    parts |= {"reference": tick.reference, "robot": tick.robot, "tick": tick}
+    return {stream: encode(stream, value) for stream, value in parts.items()}
+
+
+def _values(stream: str, row: Any) -> dict[str, Any]:
+    out = {}
+    for field in _FIELDS[stream]:
+        value = getattr(row, field.name)
+        if value is not msgspec.UNSET:
+            out[field.attr] = value if field.shape is None else np.array(value, dtype=np.float64)
+    if "base_quat" in out:
+        check_rotation(out["base_quat"])
+    return out
+
+
+def check_rotation(quat: Any) -> None:
+    """ValueError unless (4,) is a unit quaternion to 1e-3."""
+    if abs(np.linalg.norm(quat) - 1.0) > 1e-3:
+        raise ValueError("base_quat is no rotation")
+
+
+def decode(stream: str, data: bytes) -> Any:
+    """The inverse of `encode` of a pose; ValueError on damage."""
+    return _TYPES[stream](**_values(stream, _parsers[stream](data)))
+
+
+def read_periods(
+    tape: Path,
+    found: TapeScan,
+    parse: Mapping[str, Callable[[bytes], Any]],
+    make: Callable[[Any, Any, bool, Any, Any], T],
+) -> Iterator[T]:
+    """What `make` makes of each whole control period, up to the first damage; then look at found.
+
+    parse: of each stream, what of a message is needed; ValueError or OverflowError means damage, in
+    `make` too. make(tick, human, fresh, reference, robot): of the parsed messages; human is None
+    without a person, fresh is whether their pose came in this period.
+    """
+    human, fresh = None, False
+    parts: dict[str, tuple[int, Any]] = {}
+    for message in scan(tape, found):
+        topic, number = message.topic, message.sequence
+        if topic not in parse:
+            continue
+        try:
+            value = parse[topic](message.data)
+            if topic == "human":
+                human, fresh = value, True
+            elif topic != "tick":
+                parts[topic] = number, value
+            else:
+                if any(parts.get(who, (None,))[0] != number for who in ("reference", "robot")):
+                    raise ValueError("its streams do not belong together")
+                if not value.human:
+                    human, fresh = None, False
+                yield make(value, human, fresh, parts["reference"][1], parts["robot"][1])
+                fresh = False
+        except (ValueError, OverflowError) as error:
+            found.complete = False
+            found.problem = f"tick {number} is damaged: {error}"
+            return
+
+
+_PARSE = {stream: partial(decode, stream) for stream in _TYPES} | {"tick": _parsers["tick"]}
+
+
+def read_ticks(tape: Path, found: TapeScan) -> Iterator[tuple[Tick, bool]]:
+    """Ticks of a tape, each with whether a new human pose came with it."""
+
+    def make(
+        row: Any, human: HumanPose | None, fresh: bool, reference: ReferencePose, robot: RobotState
+    ) -> tuple[Tick, bool]:
+        values = _values("tick", row)
+        return Tick(human=human, reference=reference, robot=robot, **values), fresh
+
+    return read_periods(tape, found, _PARSE, make)

@@ -117,17 +117,11 @@ class Recorder:
             raise StudioError("no take is being recorded: start one first")
         n = self._count
         log_time = self._meta["started_ns"] + round(n * 1e9 / a1.CONTROL_HZ)
-        rows = [
-            ("reference", codec.encode_reference(tick.reference)),
-            ("robot", codec.encode_robot(tick.robot)),
-            ("tick", codec.encode_tick(tick)),
-        ]
-        if tick.human is not None and (tick.human_fresh or self._human_count == 0):
-            rows.insert(0, ("human", codec.encode_human(tick.human)))
-            self._human_count += 1
+        rows = codec.messages(tick, person=tick.human_fresh or self._human_count == 0)
+        self._human_count += "human" in rows
         whole = self._file.size
         try:
-            for topic, data in rows:
+            for topic, data in rows.items():
                 self._writer.write(Message(topic=topic, sequence=n, time=log_time, data=data))
         except OSError as error:
             self._file.cut(whole)

@@ -5,7 +5,7 @@ import pytest
 from make_ticks import make_ticks  # type: ignore[import-not-found]
 
 from studio.errors import StudioError
-from studio.live.replay import Playback
+from studio.live.replay import Replay
 from studio.takes.columns import columns
 from studio.takes.dataset.datamap import DataMap
 from studio.takes.edit.edits import Edits
@@ -32,7 +32,7 @@ def play(playback, steps):
 
 
 def test_playing_shows_every_tick_once_and_ends_paused(folder):
-    playback = Playback("sway", columns(folder), Edits())
+    playback = Replay("sway", columns(folder), Edits())
     playback.seek(playing=True)
     ticks = play(playback, 125)
     assert [t.index for t in ticks[:120]] == list(range(120))
@@ -42,7 +42,7 @@ def test_playing_shows_every_tick_once_and_ends_paused(folder):
 
 
 def test_speed_skips_and_repeats(folder):
-    playback = Playback("sway", columns(folder), Edits())
+    playback = Replay("sway", columns(folder), Edits())
     playback.seek(playing=True, speed=2.0)
     assert [t.index for t in play(playback, 5)] == [0, 2, 4, 6, 8]
     playback.seek(t=0.0, speed=0.5)
@@ -53,7 +53,7 @@ def test_speed_skips_and_repeats(folder):
 
 
 def test_a_loop_stays_within_the_trim(folder):
-    playback = Playback("sway", columns(folder), Edits(trim=(1.0, 2.0)))
+    playback = Replay("sway", columns(folder), Edits(trim=(1.0, 2.0)))
     playback.seek(playing=True, loop=True)
     indices = {t.index for t in play(playback, 200)}
     assert min(indices) == 30
@@ -73,7 +73,7 @@ def test_the_person_is_moved_by_the_lag_and_the_robot_is_not(folder):
 
 
 def test_scrubbing_goes_where_it_is_told_within_the_take(folder):
-    playback = Playback("sway", columns(folder), Edits())
+    playback = Replay("sway", columns(folder), Edits())
     playback.seek(t=2.0)
     assert playback.step().index == 60
     playback.seek(t=1e9)
