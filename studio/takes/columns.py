@@ -1,7 +1,7 @@
 """A tape's streams as one table on disk, a row per tick: built once, then read by window.
 
 The tape stays the truth; the table is a cache beside the library (`.cache/NAME.*`), rebuilt when
-the tape changes. An hour is about 70 MB of it and is never read whole: numpy maps the file, and
+the tape changes. An hour is about 90 MB of it and is never read whole: numpy maps the file, and
 whoever needs all of it goes through it in blocks.
 """
 

@@ -31,6 +31,7 @@ log = logging.getLogger(__name__)
 class TakeArrays:
     """A take as arrays over its T ticks; keys of each stream as in Tick, ReferencePose, RobotState.
 
+    reference, robot: what exports hold of them.
     human_index: (T,) row of the take's `human` clip in use, -1 before the first.
     tick: of numbers an array, of what has names a list.
     """
@@ -100,7 +101,7 @@ class Take:
 
 def _stack(values: Sequence[Any], stream: str) -> dict[str, Any]:
     out: dict[str, Any] = {}
-    for field in fields_in("tape", stream):
+    for field in fields_in("tape" if stream == "tick" else "npz", stream):
         column = [getattr(value, field.attr) for value in values]
         kind = codec.bare(field.type)
         if field.shape is not None:

@@ -6,6 +6,7 @@ columns, JSON, traces and exports derive from it: a field added to Tick, Referen
 """
 
 from dataclasses import MISSING, dataclass, field, fields
+from functools import cache
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -160,6 +161,7 @@ FIELDS: tuple[Field, ...] = (
 """Every field of a tick, stream by stream."""
 
 
+@cache
 def fields_in(form: str, stream: str) -> tuple[Field, ...]:
     """The fields of a stream that a form holds."""
     return tuple(f for f in FIELDS if f.stream == stream and f.within(form))
