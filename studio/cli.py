@@ -104,11 +104,11 @@ def _serve(argv: Sequence[str]) -> None:
 
 def _drive(argv: Sequence[str]) -> Answer:
     args = tyro.cli(Drive, prog="a1-studio drive", args=argv)
+    from studio.control.staleness import stale_command
     from studio.evaluation.drive import DriveConfig, run_drive
-    from studio.live.safety import stale_orders
 
     settings = {name: value for name, value in vars(args).items() if name != "scene"}
-    return run_drive(DriveConfig(**settings), guard=stale_orders)
+    return run_drive(DriveConfig(**settings), guard=stale_command)
 
 
 def _bench(argv: Sequence[str]) -> Answer:

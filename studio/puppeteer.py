@@ -8,7 +8,7 @@
 Live is this plus a clock (`live.loop`); a headless drive and every table are this without one.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import fields, replace
 from time import perf_counter
@@ -16,13 +16,21 @@ from time import perf_counter
 import numpy as np
 
 from studio import geometry
-from studio.control.command import FOLLOW, LIMITS, Orders, PuppeteerConfig, checked_gain
+from studio.control.command import (
+    FOLLOW,
+    LIMITS,
+    DriveCommand,
+    PuppeteerConfig,
+    Reason,
+    checked_gain,
+)
 from studio.control.controller import Control, Controller, Directive
+from studio.control.staleness import HOLD_AFTER, STALE_AFTER, why_still
 from studio.control.trackers import Situation, open_controller
 from studio.errors import unknown_name
 from studio.human.calibration import Calibration
 from studio.human.pose import HumanPose
-from studio.mocap.human_tracker import REUSE, Watched
+from studio.mocap.human_tracker import HumanTracker
 from studio.reference.intent import STATES, StateName
 from studio.retarget.retargeter import Retargeted, Retargeter
 from studio.retarget.settings import RetargetSettings
@@ -64,38 +72,45 @@ class Puppeteer:
     def step(
         self,
         human: HumanPose | None = None,
-        orders: Orders = FOLLOW,
+        command: DriveCommand | Callable[[float], DriveCommand] = FOLLOW,
         shown: tuple[StateName, ReferencePose] | None = None,
     ) -> Tick:
         """One control period (1/30 s). None: nothing new was seen. Never fails on a bad pose.
 
-        shown: a motion that the robot does in place of the person's, who is to act it out.
+        command: what whoever keeps watch asks for, or what the age of the last pose that was
+        believed (s, infinite before the first) calls for. shown: a motion that the robot does in
+        place of the person's, who is to act it out.
         """
         self._timings: dict[str, float] = {}
         fresh = self.person.see(human)
+        if callable(command):
+            command = command(self.person.age)
         with self._section("retarget"):
             watch = not self._go_on_from_here()
             mapped = self.retargeter.step(self.person.now, CONTROL_DT, watch=watch)
         if shown is None:
-            self._place_at_first_vote(mapped, orders)
+            self._place_at_first_vote(mapped, command)
         self._placed = self._placed or shown is not None
         with self._section("controller"):
             wanted: StateName = self.lock or mapped.active  # type: ignore[assignment]
             reference = mapped.reference if mapped.active == wanted else None
             if shown is not None:
                 wanted, reference = shown
-            control = self.controller.step(wanted, reference, orders.directive, orders.ramp)
+            control = self.controller.step(wanted, reference, command.directive, command.ramp)
         with self._section("policy"):
             action = self.tracker.act(self._situation(control))
         with self._section("filter"):
             target = limit_target(self.low_pass.step(action), self._target)
         with self._section("physics"):
-            self._damp(orders.damping)
+            self._damp(command.damping)
             self.robot, self._target = self.world.step(target), target
         clipped = mapped.clipped and self.controller.following
+        self.reason, why = command.reason, command.why
+        if not why and shown is None:
+            self.reason, why = why_still(self.person.age, mapped.expert, mapped.votes, self.lock)
         self._index += 1
         self._clipped += clipped
-        self.fallen = self.fallen or (not orders.damping and fell(control.reference, self.robot))
+        self.fallen = self.fallen or (not command.damping and fell(control.reference, self.robot))
         return Tick(
             index=self._index - 1,
             t=self.person.t,
@@ -105,7 +120,7 @@ class Puppeteer:
             votes=mapped.votes,
             state=control.state,
             transition_to=control.transition_to,
-            mode=orders.mode,
+            mode=command.mode,
             controller=self.tracker.name,
             reference=control.reference if shown is None else shown[1],
             action=action,
@@ -113,8 +128,7 @@ class Puppeteer:
             robot=self.robot,
             clipped=clipped,
             fallen=self.fallen,
-            why=orders.why
-            or (why_still(mapped, self.lock, self.person.age) if shown is None else ""),
+            why=why,
             timings_ms=self._timed(mapped),
             counters=self.counters,
         )
@@ -124,9 +138,10 @@ class Puppeteer:
     def reset(self) -> None:
         """Forget the person; the robot stands at the origin and starts in the first voted state."""
         self.retargeter.reset()
-        self.person = Watched()
+        self.person = HumanTracker(reuse=HOLD_AFTER, stale=STALE_AFTER)
         self._index, self._waited, self._clipped = 0, 0.0, 0
         self._placed = False
+        self.reason: Reason = ""
         self.place("stand")
 
     def forget_person(self, calibration: Calibration | None = None) -> None:
@@ -230,11 +245,11 @@ class Puppeteer:
         self.retargeter.continue_from(controller.reference, controller.facing)
         return True
 
-    def _place_at_first_vote(self, mapped: Retargeted, orders: Orders) -> None:
+    def _place_at_first_vote(self, mapped: Retargeted, command: DriveCommand) -> None:
         """The robot starts in the first voted state, unless it has been standing by already."""
         if self._placed:
             return
-        if orders.directive is not Directive.FOLLOW or self._waited > FIRST_VOTE:
+        if command.directive is not Directive.FOLLOW or self._waited > FIRST_VOTE:
             self._placed = True
         elif self.person.last is not None:
             self._waited += CONTROL_DT
@@ -264,17 +279,3 @@ class Puppeteer:
     def _timed(self, mapped: Retargeted) -> dict[str, float]:
         inference = sum(ms for name, ms in self._timings.items() if name != "physics")
         return {**mapped.timings_ms, **self._timings, "inference": inference}
-
-
-def why_still(mapped: Retargeted, lock: str | None, age: float) -> str:
-    """One line that says why the robot does not do what the person does, or ""."""
-    if age == np.inf:
-        return "nobody seen: waiting for the first human pose"
-    if age > REUSE:
-        return f"stale: no human pose for {age:.1f} s"
-    if mapped.expert == "unknown" and lock is None:
-        return "unknown: this motion is unlike any the experts were trained on; easing to neutral"
-    seen = max(mapped.votes, key=lambda name: mapped.votes[name])
-    if lock is not None and seen != lock and mapped.votes[seen] > 0.5:
-        return f"locked: the state is held at {lock}, the person's motion says {seen}"
-    return ""

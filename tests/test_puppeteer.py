@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.control.command import LIMITS, Orders, PuppeteerConfig
+from studio.control.command import LIMITS, DriveCommand, PuppeteerConfig
 from studio.control.controller import Directive
 from studio.errors import StudioError
 from studio.human.calibration import calibrate
@@ -26,8 +26,8 @@ def make(task="quiet", seed=0, **config):
     return puppeteer, (pose for pose in poses if pose is not None)
 
 
-def run(puppeteer, poses, seconds, **orders):
-    given = Orders(**orders)
+def run(puppeteer, poses, seconds, **command):
+    given = DriveCommand(**command)
     return [puppeteer.step(next(poses), given) for _ in range(round(seconds * 30))]
 
 

@@ -1,6 +1,7 @@
-"""What whoever drives asks of the puppeteer: how to drive, the sliders, orders for each period."""
+"""What whoever drives asks of the puppeteer: how to drive, the sliders, a command each period."""
 
 from dataclasses import dataclass
+from typing import Literal, get_args
 
 from studio.control.controller import Directive
 from studio.errors import StudioError, unknown_name
@@ -25,22 +26,45 @@ class PuppeteerConfig:
     speed_cap: float = 1.0
 
 
+Reason = Literal[
+    "",
+    "idle",
+    "unarmed",
+    "stopped",
+    "fallen",
+    "fault",
+    "page_lost",
+    "source_ended",
+    "stale",
+    "nobody",
+    "overrun",
+    "unknown",
+    "locked",
+    "paused",
+]
+"""Why the robot does not do what the person does, for programs; "": it does. Words are added at the
+end; none changes its meaning."""
+REASONS: tuple[Reason, ...] = get_args(Reason)
+
+
 @dataclass(frozen=True, kw_only=True)
-class Orders:
-    """What whoever keeps watch asks for in this period: see `live.safety`.
+class DriveCommand:
+    """What whoever keeps watch asks for in this period: see `control.staleness`, `live.safety`.
 
     directive: to the controller. damping: motors without stiffness. ramp: s over which following
-    eases in, None for the controller's own. mode, why: shown in the tick.
+    eases in, None for the controller's own. mode, why: shown in the tick. reason: the word for the
+    line `why`; either both are empty or neither.
     """
 
     directive: Directive = Directive.FOLLOW
     damping: bool = False
     ramp: float | None = None
     mode: str = "live"
+    reason: Reason = ""
     why: str = ""
 
 
-FOLLOW = Orders()
+FOLLOW = DriveCommand()
 LIMITS: dict[str, tuple[float, float]] = {
     "tilt_gain": (0.0, 2.0),
     "dead_zone": (0.0, 0.5),

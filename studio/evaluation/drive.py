@@ -10,7 +10,7 @@ from itertools import islice
 from pathlib import Path
 from typing import IO, Any
 
-from studio.control.command import FOLLOW, Orders, PuppeteerConfig
+from studio.control.command import FOLLOW, DriveCommand, PuppeteerConfig
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport, trace_line
 from studio.human.calibration import calibrate
@@ -49,15 +49,15 @@ class DriveConfig:
 def run_drive(
     config: DriveConfig,
     *,
-    guard: Callable[[float], Orders] | None = None,
+    guard: Callable[[float], DriveCommand] | None = None,
     on_tick: Callable[[Tick], None] | None = None,
     source: Source | None = None,
 ) -> dict[str, Any]:
     """Drive and report. Ends with the source, after config.seconds, or when the robot falls.
 
     guard: what the age of the newest human pose (s, infinite before the first) calls for, see
-    live.safety. on_tick: called with every tick. source: used instead of opening config.source.
-    Raises StudioError for a source, state, style or controller that is not there.
+    control.staleness. on_tick: called with every tick. source: used instead of opening that of
+    config. Raises StudioError for a source, state, style or controller that is not there.
     """
     source = source or open_source(
         config.source, seed=config.seed, style=config.style, sessions=config.sessions
@@ -102,14 +102,13 @@ def drive(
     source: Source,
     seconds: float,
     *,
-    guard: Callable[[float], Orders] | None = None,
+    guard: Callable[[float], DriveCommand] | None = None,
     realtime: bool = False,
 ) -> Iterator[Tick]:
     """Ticks until the source ends, `seconds` have passed, or the robot has fallen."""
-    began, age = time.perf_counter(), float("inf")
+    began = time.perf_counter()
     for k, human in enumerate(islice(poses(source), round(seconds / CONTROL_DT))):
-        age = 0.0 if human is not None else age + CONTROL_DT
-        tick = puppeteer.step(human, guard(age) if guard else FOLLOW)
+        tick = puppeteer.step(human, guard or FOLLOW)
         yield tick
         if tick.fallen:
             log.info("the robot fell after %.1f s", (k + 1) * CONTROL_DT)

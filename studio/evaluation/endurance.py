@@ -17,11 +17,11 @@ from scipy.stats import chi2
 
 from studio.control.command import PuppeteerConfig
 from studio.control.policy import Policy
+from studio.control.staleness import stale_command
 from studio.control.trackers.policy import PolicyTracker
 from studio.errors import StudioError
 from studio.evaluation.impaired import IMPAIRMENTS, Impaired
 from studio.human.calibration import calibrate
-from studio.live.safety import stale_orders
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import STATES
 from studio.robot.a1 import CONTROL_DT
@@ -158,7 +158,7 @@ def endure(case: Case, seed: int, seconds: float) -> Run:
                 puppeteer.stand_up()
                 puppeteer.rejoin()
             continue
-        tick = puppeteer.step(human, stale_orders(float(age)))
+        tick = puppeteer.step(human, stale_command(float(age)))
         if tick.fallen:
             falls.append(k * CONTROL_DT)
             lying = LIE_S

@@ -13,15 +13,13 @@ from studio.live import commands as c
 from studio.live.clock import Clock, Metronome, WallClock
 from studio.live.mailbox import BoundedQueue, Latest
 from studio.live.session import Session, SessionConfig
-from studio.live.state import state_dict
+from studio.live.state import latches, state_dict
 from studio.takes.tick import Tick
 
 log = logging.getLogger(__name__)
 
 SWITCH_INTERVAL = 0.0005
 """s; Python's default of 5 ms makes a 30 Hz thread late beside busy ones (findings.md)."""
-OVERRUN_WINDOW, OVERRUN_SHARE = 30, 0.8
-"""Of the last 30 periods so many late means that this computer cannot keep the rate."""
 
 
 @dataclass(kw_only=True)
@@ -41,8 +39,9 @@ class _Request:
 class LiveLoop:
     """One thread that owns the world, the networks and the recorder; others ask and look.
 
-    `ticks` holds the newest Tick. `submit`, `post`, `beat`, `push_frame` and `state_dict` may be
-    called from any thread; `tick` is one period, for the loop's own thread or a test's fake clock.
+    `ticks` holds the newest Tick. `submit`, `post`, `beat`, `silent`, `push_frame` and `state_dict`
+    may be called from any thread; `tick` is one period, for the loop's own thread or a test's
+    fake clock.
     """
 
     def __init__(
@@ -56,7 +55,6 @@ class LiveLoop:
         self.ticks: Latest[Tick] = Latest()
         self.period_error_ms: deque[float] = deque(maxlen=3000)
         self._metronome = Metronome(self.clock)
-        self._late: deque[bool] = deque(maxlen=OVERRUN_WINDOW)
         self._requests: BoundedQueue[_Request] = BoundedQueue()
         self._stops: BoundedQueue[_Request] = BoundedQueue(4096)  # a stop finds room always
         self._refused = 0
@@ -103,6 +101,10 @@ class LiveLoop:
     def beat(self, page: str) -> None:
         """The page in control lives."""
         self.session.safety.beat(page, self.clock.now())
+
+    def silent(self, page: str) -> bool:
+        """The page held control and has gone silent."""
+        return self.session.safety.silent(page, self.clock.now())
 
     def push_frame(self, raw: object) -> None:
         """One human frame for the source `stream`; StudioError says what is wrong with it."""
@@ -169,7 +171,7 @@ class LiveLoop:
         error = self._metronome.wait()
         if self._metronome.dropped > dropped:
             self.session.reading.slip(self._metronome.dropped - dropped)
-        self._late.append(self._metronome.late > late)
+        self.session.safety.period(late=self._metronome.late > late)
         self.period_error_ms.append(1e3 * abs(error))
 
     def tick(self) -> None:
@@ -180,22 +182,17 @@ class LiveLoop:
         for request in requests:
             request.result = self._apply(request, now)
         try:
-            tick = self._with_loop_counters(self.session.step(now, self.overrun))
+            tick = self._with_loop_counters(self.session.step(now))
             self.ticks.publish(tick)
-            self._state = state_dict(self.session, tick, self.period_error_ms)
+            self._state = state_dict(self.session, tick, now, self.period_error_ms)
         except Exception:
             log.exception("a control period failed; the robot is stopped")
-            self._state = {**self._state, "stopped": True, "why": self.session.safety.reason}
+            safety = self.session.safety
+            self._state = {**self._state, **latches(safety), "why": safety.stop_line}
         self.stops = self.session.safety.stops
         for request in requests:
             request.result = replace(request.result, state=self._state)
             request.done.set()
-
-    @property
-    def overrun(self) -> bool:
-        """Most of the last second's periods were late."""
-        full = len(self._late) == OVERRUN_WINDOW
-        return full and sum(self._late) > OVERRUN_SHARE * OVERRUN_WINDOW
 
     def _apply(self, request: _Request, now: float) -> c.Result:
         command = request.command

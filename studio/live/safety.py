@@ -1,49 +1,27 @@
 """Everything that may keep the robot from following the person, in one place: when, and how.
 
-    human data older than 100 ms   the last pose is used again
-                           300 ms   hold; while walking, swing feet down within 150 ms
-                           500 ms   stand
+    no human pose                    as `control.staleness` says: hold, then stand
     page in control silent  400 ms   stand (begun within 0.5 s of its loss)
+    24 of 30 periods late            hold: this computer cannot keep the rate
     emergency stop, fall, fault      damping, latched: reset (stand up), then arm (1 s ramp)
     fall of the page's own demo      damping; 3 s later it stands up and goes on, unless stopped
 
 It decides from times and flags that it is told, never from a clock of its own.
 """
 
-from dataclasses import dataclass
+from collections import deque
 
-from studio.control.command import Orders
+from studio.control.command import DriveCommand, Reason
 from studio.control.controller import Directive
+from studio.control.staleness import EPS, stale_directive, stale_line
 
-HOLD_AFTER = 0.3
-STAND_AFTER = 0.5
 PAGE_LOST_AFTER = 0.4
 ARM_RAMP = 1.0
 DEMO_LIES = 3.0
 """s."""
-_EPS = 1e-9
-
-
-def stale_directive(age: float) -> Directive:
-    """What a human pose `age` s old calls for (infinite: none was ever seen)."""
-    if age >= STAND_AFTER - _EPS:
-        return Directive.STAND
-    return Directive.HOLD if age >= HOLD_AFTER - _EPS else Directive.FOLLOW
-
-
-@dataclass(frozen=True, kw_only=True)
-class Situation:
-    """What is known at one control period. Times on one clock, in s.
-
-    mode: the loop's. human_at: when the last human pose came, None before the first.
-    source_ended: the source has nothing more to give. overrun: the loop cannot keep its rate.
-    """
-
-    now: float
-    mode: str
-    human_at: float | None
-    source_ended: bool = False
-    overrun: bool = False
+OVERRUN_WINDOW, OVERRUN_SHARE = 30, 0.8
+"""Of the last 30 periods so many late means that this computer cannot keep the rate."""
+Decision = tuple[Directive, Reason, str]
 
 
 class Safety:
@@ -55,20 +33,23 @@ class Safety:
         self.stopped = False
         self.needs_reset = False
         self.armed = armed
-        self.reason = ""
+        self.reason: Reason = ""  # of the stop: stopped, fallen or fault
+        self.why = ""
+        self.seen_at: float | None = None  # when the last human pose came
         self.falls = 0
         self._rises_at: float | None = None
         self._armed_at: float | None = None
         self._holder: str | None = None
         self._left: str | None = None
         self._beat_at = 0.0
+        self._late: deque[bool] = deque(maxlen=OVERRUN_WINDOW)
 
     # Latches ------------------------------------------------------------------------------------
 
-    def stop(self, reason: str) -> None:
+    def stop(self, why: str, reason: Reason = "stopped") -> None:
         """Damping, latched until reset and arm."""
         self.stopped, self.needs_reset, self.armed = True, True, False
-        self.reason = reason
+        self.why, self.reason = why, reason
         self.stops += 1
         self._rises_at = None
 
@@ -76,7 +57,7 @@ class Safety:
         """The robot fell: as a stop. demo: nobody drives it, it may stand up by itself."""
         again = not self.stopped
         self.falls += 1
-        self.stop("the robot fell")
+        self.stop("the robot fell", "fallen")
         if demo and again:
             self._rises_at = now + DEMO_LIES
 
@@ -84,7 +65,7 @@ class Safety:
         """It is time for a fallen demo to stand up; no longer, once somebody else drives."""
         if not demo:
             self._rises_at = None
-        return self._rises_at is not None and now >= self._rises_at - _EPS
+        return self._rises_at is not None and now >= self._rises_at - EPS
 
     def reset(self) -> None:
         """The robot stands up; a latched stop stays."""
@@ -97,10 +78,10 @@ class Safety:
         next heartbeat.
         """
         if self.needs_reset:
-            return f"stopped ({self.reason}): reset first, so that the robot stands, then arm"
+            return f"stopped ({self.why}): reset first, so that the robot stands, then arm"
         if self.page_lost(now):
             self._left, self._holder = self._holder, None
-        self.stopped, self.armed, self.reason = False, True, ""
+        self.stopped, self.armed, self.reason, self.why = False, True, "", ""
         self._armed_at = now
         return ""
 
@@ -128,17 +109,56 @@ class Safety:
 
     def page_lost(self, now: float) -> bool:
         """A page holds control and has gone silent."""
-        return self._holder is not None and now - self._beat_at >= PAGE_LOST_AFTER - _EPS
+        return self._holder is not None and now - self._beat_at >= PAGE_LOST_AFTER - EPS
+
+    def silent(self, page: str, now: float) -> bool:
+        """`page` held control and has gone silent, whether or not somebody armed since."""
+        return page == self._left or (page == self._holder and self.page_lost(now))
+
+    # What is known of the person and of this computer ---------------------------------------------
+
+    def see(self, now: float) -> None:
+        """A human pose came that is believed."""
+        self.seen_at = now
+
+    def forget_person(self) -> None:
+        """Another person, or another source, from here on."""
+        self.seen_at = None
+
+    def stale_s(self, now: float) -> float | None:
+        """s since the last human pose, None before the first."""
+        return None if self.seen_at is None else now - self.seen_at
+
+    def period(self, *, late: bool) -> None:
+        """A control period has ended, after its deadline or before."""
+        self._late.append(late)
+
+    @property
+    def overrun(self) -> bool:
+        """Most of the last second's periods were late."""
+        full = len(self._late) == OVERRUN_WINDOW
+        return full and sum(self._late) > OVERRUN_SHARE * OVERRUN_WINDOW
 
     # The decision -------------------------------------------------------------------------------
 
-    def orders(self, s: Situation) -> Orders:
-        """What the puppeteer must do in this period, with the one line that says why."""
+    def command(self, now: float, mode: str, *, source_ended: bool = False) -> DriveCommand:
+        """What the puppeteer must do in this period, and why.
+
+        now: s, on the one clock of all times here. mode: the loop's. source_ended: the source has
+        nothing more to give.
+        """
         ramp = None
-        if self._armed_at is not None and s.now - self._armed_at < ARM_RAMP:
+        if self._armed_at is not None and now - self._armed_at < ARM_RAMP:
             ramp = ARM_RAMP
-        directive, damping, why = self._decide(s)
-        return Orders(directive=directive, damping=damping, ramp=ramp, mode=s.mode, why=why)
+        directive, reason, why = self._decide(now, mode, source_ended)
+        return DriveCommand(
+            directive=directive,
+            damping=self.stopped and self.needs_reset,
+            ramp=ramp,
+            mode=mode,
+            reason=reason,
+            why=why,
+        )
 
     @property
     def stop_line(self) -> str:
@@ -148,35 +168,27 @@ class Safety:
         then = "reset, then arm" if self.needs_reset else "the robot is up, arm to go on"
         if self._rises_at is not None:
             then = f"it stands up by itself after {DEMO_LIES:.0f} s"
-        return f"stopped: {self.reason}; {then}"
+        return f"stopped: {self.why}; {then}"
 
-    def _decide(self, s: Situation) -> tuple[Directive, bool, str]:
+    def _decide(self, now: float, mode: str, source_ended: bool) -> Decision:
         if self.stopped:
-            return Directive.STAND, self.needs_reset, self.stop_line
-        if s.mode == "idle":
-            why = "idle: " + ("choose live to follow" if self.armed else "arm to follow the person")
-            return Directive.REST, False, why
+            return Directive.STAND, self.reason, self.stop_line
+        if mode == "idle":
+            then = "choose live to follow" if self.armed else "arm to follow the person"
+            return Directive.REST, "idle", f"idle: {then}"
         if not self.armed:
-            return Directive.REST, False, "unarmed: arm to follow the person"
-        if self.page_lost(s.now):
-            return Directive.STAND, False, "page lost: the page in control has gone silent"
-        if s.source_ended:
-            return Directive.STAND, False, "ended: the source has no more motion"
-        if s.human_at is None:
-            return Directive.REST, False, "stale: no human pose yet"
-        age = s.now - s.human_at
+            return Directive.REST, "unarmed", "unarmed: arm to follow the person"
+        if self.page_lost(now):
+            line = "page lost: the page in control has gone silent"
+            return Directive.STAND, "page_lost", line
+        if source_ended:
+            return Directive.STAND, "source_ended", "ended: the source has no more motion"
+        age = self.stale_s(now)
+        if age is None:
+            return Directive.REST, "nobody", "stale: no human pose yet"
         directive = stale_directive(age)
         if directive is not Directive.FOLLOW:
-            return directive, False, f"stale: no human pose for {age:.1f} s"
-        if s.overrun:
-            return Directive.HOLD, False, "overrun: this computer cannot keep 30 Hz"
-        return Directive.FOLLOW, False, ""
-
-
-def stale_orders(age: float) -> Orders:
-    """For a drive without a page or a button: only the person can go missing (`age` s ago)."""
-    directive = stale_directive(age)
-    if age == float("inf"):  # nobody yet is no reason to move
-        return Orders(why="stale: no human pose yet")
-    why = "" if directive is Directive.FOLLOW else f"stale: no human pose for {age:.1f} s"
-    return Orders(directive=directive, why=why)
+            return directive, "stale", stale_line(age)
+        if self.overrun:
+            return Directive.HOLD, "overrun", "overrun: this computer cannot keep 30 Hz"
+        return Directive.FOLLOW, "", ""

@@ -5,14 +5,14 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from studio.control.command import PuppeteerConfig
+from studio.control.command import DriveCommand, PuppeteerConfig, Reason
 from studio.errors import StudioError
 from studio.human.calibration import Calibration, calibrate
 from studio.live.collect import Step
 from studio.live.collecting import Acting, Collector
 from studio.live.mappers import SHIPPED, Mappers, OpenedMapper
 from studio.live.replay import Replay
-from studio.live.safety import Safety, Situation
+from studio.live.safety import Safety
 from studio.live.source import OpenedSource, Reading, open_for
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
@@ -58,6 +58,7 @@ class Session:
         self.acting = Acting()
         self.last_take: str | None = None
         self.scene = "empty"
+        self.reason: Reason = ""  # for the last tick's `why`
         self._replayed = 0
 
     @property
@@ -94,33 +95,35 @@ class Session:
 
     # One control period -------------------------------------------------------------------------
 
-    def step(self, now: float, overrun: bool = False) -> Tick:
+    def step(self, now: float) -> Tick:
         """Read the source, drive the robot (or replay), record. `now`: s on the loop's clock."""
         if self.mode == "replay" and self.replay is not None:
             tick = self.replay.step()
             self._replayed += tick.human_fresh
+            paused: Reason = "paused" if tick.why else ""
+            self.reason = self.safety.reason or paused
             return replace(tick, counters=self.counters(), why=self.safety.stop_line or tick.why)
         self._stand_up_if_demo(now)
         shown, collecting = self._collect()
         human = self.reading.read(now)
-        orders = self.safety.orders(
-            Situation(
-                now=now,
-                mode=self.mode,
-                human_at=self.reading.human_at,
-                source_ended=self.reading.ended,
-                overrun=overrun,
-            )
-        )
+
+        def command(age: float) -> DriveCommand:
+            if age == 0.0:
+                self.safety.see(now)
+            return self.safety.command(now, self.mode, source_ended=self.reading.ended)
+
         try:
-            tick = self.puppeteer.step(human, orders, shown)
+            tick = self.puppeteer.step(human, command, shown)
         except Exception as error:
             log.exception("control period failed")
-            self.safety.stop(f"a fault: {error}")
+            self.safety.stop(f"a fault: {error}", "fault")
             self.puppeteer.place("stand")
             raise
+        self.reason = self.puppeteer.reason
         if tick.fallen and not self.safety.stopped:
             self.safety.fall(now, demo=self._demo)
+            self.reason = self.safety.reason
+            tick = replace(tick, why=self.safety.stop_line)
         tick = replace(tick, counters=self.counters())
         if collecting is not None:
             self.collector.write(collecting, self.about(), self._calibration())
@@ -154,6 +157,7 @@ class Session:
         """Another person from here on, whose source began `played` s ago."""
         self.reading.use(opened.source, now, played)
         self.puppeteer.forget_person(opened.calibration)
+        self.safety.forget_person()
 
     @property
     def recording_error(self) -> str | None:

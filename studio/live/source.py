@@ -42,12 +42,11 @@ def open_follower(config: PuppeteerConfig, source: Source) -> OpenedSource | Non
 class Reading:
     """Remembers when the source began. Only the loop's thread calls it.
 
-    human_at: s on the loop's clock of the last pose. ended: nothing more will come.
+    ended: nothing more will come.
     """
 
     def __init__(self, source: Source) -> None:
         self.source = source
-        self.human_at: float | None = None
         self.ended = False
         self._from: float | None = None  # the loop's time at the source's start
         self._refused = 0  # by sources that were since closed
@@ -55,7 +54,7 @@ class Reading:
     def use(self, source: Source, now: float, played: float = 0.0) -> None:
         """Another source, which began `played` s ago."""
         self.source, self._from = source, now - played
-        self.human_at, self.ended = None, False
+        self.ended = False
 
     def played(self, now: float) -> float:
         """s since the source began."""
@@ -87,14 +86,10 @@ class Reading:
         if self.ended:
             return None
         try:
-            human = self.source.read(now - self._from)
+            return self.source.read(now - self._from)
         except SourceEnded:
             self.ended = True
-            return None
         except Exception:
             log.exception("the source failed; the robot stands")
             self.ended = True
-            return None
-        if human is not None:
-            self.human_at = now
-        return human
+        return None

@@ -10,6 +10,7 @@ from studio.takes.as_json import part
 from studio.takes.tick import Tick
 
 if TYPE_CHECKING:
+    from studio.live.safety import Safety
     from studio.live.session import Session
 
 WINDOW = 300
@@ -19,24 +20,37 @@ WINDOW = 300
 _OF_TICK = ("t", "state", "transition_to", "expert", "votes", "fallen", "why", "counters")
 
 
-def state_dict(session: "Session", tick: Tick, period_error_ms: deque[float]) -> dict[str, Any]:
-    """The keys of contract.md, and what a page shows besides."""
-    puppeteer, safety, replay = session.puppeteer, session.safety, session.replay
-    extractor = puppeteer.retargeter.extractor
-    now = part("tick", tick, "json")
-    late = list(islice(reversed(period_error_ms), WINDOW)) or [0.0]
-    p50, p95, p99 = np.percentile(late, [50, 95, 99]).tolist()
+def latches(safety: "Safety") -> dict[str, Any]:
+    """Whether the robot is stopped, by what, and what would free it. stops: how many there were."""
     return {
-        "mode": session.mode,
-        **{key: now[key] for key in _OF_TICK},
-        "state_lock": puppeteer.lock or "auto",
         "stopped": safety.stopped,
         "stops": safety.stops,
         "needs_reset": safety.needs_reset,
         "armed": safety.armed,
+        "reason": safety.reason,
+        "why": safety.stop_line,
+    }
+
+
+def state_dict(
+    session: "Session", tick: Tick, now: float, period_error_ms: deque[float]
+) -> dict[str, Any]:
+    """The keys of contract.md, and what a page shows besides. now: s on the loop's clock."""
+    puppeteer, safety, replay = session.puppeteer, session.safety, session.replay
+    extractor = puppeteer.retargeter.extractor
+    of_tick, stale = part("tick", tick, "json"), safety.stale_s(now)
+    late = list(islice(reversed(period_error_ms), WINDOW)) or [0.0]
+    p50, p95, p99 = np.percentile(late, [50, 95, 99]).tolist()
+    return {
+        "mode": session.mode,
+        **latches(safety),
+        **{key: of_tick[key] for key in _OF_TICK},
+        "state_lock": puppeteer.lock or "auto",
+        "reason": session.reason,
+        "stale_s": None if stale is None else round(stale, 3),
         "source": session.source.name,
         "scene": session.scene,
-        "latency_ms": now["timings_ms"],
+        "latency_ms": of_tick["timings_ms"],
         "period_error_ms": {"p50": round(p50, 3), "p95": round(p95, 3), "p99": round(p99, 3)},
         "robot": part("robot", tick.robot, "trace"),
         "controller": puppeteer.tracker.name,

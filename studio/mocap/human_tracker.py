@@ -9,20 +9,19 @@ from studio.mocap.gate import FrameGate, FrameRejected
 from studio.robot.a1 import CONTROL_DT
 
 log = logging.getLogger(__name__)
-REUSE = 0.3
-"""s for which the last human pose stands in for a missing one."""
-STALE = 0.1
-"""s of age from which a reused pose is counted as stale."""
 
 
-class Watched:
+class HumanTracker:
     """Remembers the last pose and its age. One thread only.
 
     last: the newest pose that was believed. age: s since then, inf before the first. t: s on the
     source's clock. counters: poses that came, were refused, and periods with a stale one.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, reuse: float, stale: float) -> None:
+        """reuse: s for which the last pose stands in for a missing one. stale: s of age from which
+        such a pose is counted as stale."""
+        self._reuse, self._stale = reuse, stale
         self.counters = {"frames": 0, "rejected": 0, "stale": 0}
         self._gate = FrameGate(live=False)
         self.forget()
@@ -36,7 +35,7 @@ class Watched:
     @property
     def now(self) -> HumanPose | None:
         """The pose to go by; None once it is too old to stand in."""
-        return self.last if self.age <= REUSE else None
+        return self.last if self.age <= self._reuse else None
 
     def see(self, human: HumanPose | None) -> bool:
         """A control period goes by: keep a pose that a person could have. Is there a new one?"""
@@ -46,7 +45,7 @@ class Watched:
         if fresh:
             assert human is not None
             self.last, self.age, self.t = human, 0.0, human.t
-        self.counters["stale"] += bool(not fresh and STALE < self.age < np.inf)
+        self.counters["stale"] += bool(not fresh and self._stale < self.age < np.inf)
         return fresh
 
     def _believed(self, human: HumanPose) -> bool:

@@ -1,11 +1,10 @@
 """Who drives: the first page to arrive holds control, the others watch until it is handed over.
 
-A page in control that goes silent is noticed by the loop's safety (its heartbeats stop), not here:
-nobody has to survive for the robot to stand. Runs on the gateway's event loop only.
+A page in control that goes silent is noticed by the loop's safety (its heartbeats stop), which is
+asked here: nobody has to survive for the robot to stand. Runs on the gateway's event loop only.
 """
 
 import secrets
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
@@ -13,16 +12,12 @@ from typing import Any
 from studio.errors import StudioError
 from studio.live.commands import Command, ReleaseControl, TakeControl
 
-LOST_AFTER = 0.5
-"""Seconds without a heartbeat after which control is free for another page."""
-
 
 @dataclass
 class Page:
-    """One open page: when it was last heard, whether it is in view, which keys it holds down."""
+    """One open page: whether it is in view, which keys it holds down."""
 
     name: str
-    last_beat: float
     visible: bool = True
     round_trip_ms: float = 0.0
     keys: frozenset[str] = field(default_factory=frozenset)
@@ -32,23 +27,23 @@ class ControlDesk:
     """Pages, and which of them holds control.
 
     send: puts a command into the loop's queue without waiting. beat: tells the loop that the page
-    in control lives.
+    in control lives. silent: asks it whether that page has gone silent.
     """
 
     def __init__(
         self,
         send: Callable[[Command], object],
         beat: Callable[[str], object],
-        clock: Callable[[], float] = time.monotonic,
+        silent: Callable[[str], bool],
     ) -> None:
-        self._send, self._beat, self._clock = send, beat, clock
+        self._send, self._beat, self._silent = send, beat, silent
         self.pages: dict[str, Page] = {}
         self.holder: str | None = None
 
     def join(self) -> Page:
         """A page opened its socket; it takes control if nobody has it, or who had it is lost."""
         name = f"page-{secrets.token_hex(3)}"
-        page = Page(name=name, last_beat=self._clock())
+        page = Page(name=name)
         self.pages[name] = page
         if self.free:
             self._take(name)
@@ -61,16 +56,14 @@ class ControlDesk:
     def beat(self, name: str, *, visible: bool, keys: frozenset[str], round_trip_ms: float) -> None:
         """A heartbeat (20 Hz) of a page."""
         page = self.pages[name]
-        page.last_beat, page.visible = self._clock(), visible
-        page.keys, page.round_trip_ms = keys, round_trip_ms
+        page.visible, page.keys, page.round_trip_ms = visible, keys, round_trip_ms
         if name == self.holder:
             self._beat(name)
 
     @property
     def free(self) -> bool:
         """Nobody holds control, or the page that did is gone."""
-        page = self.pages.get(self.holder) if self.holder else None
-        return page is None or self._clock() - page.last_beat > LOST_AFTER
+        return self.holder is None or self.holder not in self.pages or self._silent(self.holder)
 
     def act(self, action: str, page: str, to: str | None = None) -> None:
         """take, release or hand_over (to another page). Raises StudioError saying what works."""

@@ -110,7 +110,7 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
         hub = Hub(
             loop=loop,
             access=access,
-            desk=ControlDesk(loop.post, loop.beat),
+            desk=ControlDesk(loop.post, loop.beat, loop.silent),
             feed=TickFeed(loop.ticks),
             sessions=Path(config.sessions),
         )

@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from studio.control.staleness import stale_command
 from studio.errors import StudioError
 from studio.evaluation.drive import DriveConfig, run_drive
 from studio.evaluation.drive_report import DriveReport, tilt_against_feet
-from studio.live.safety import stale_orders
 from studio.reference.stances import NEUTRAL, tilted
 from studio.robot import a1, kinematics
 from studio.synthetic.operator import OperatorSource
@@ -61,7 +61,7 @@ def check_shape(report):
 
 
 def test_a_bvh_is_driven_to_its_end_and_reported_on(bvh):
-    report = run_drive(DriveConfig(source=f"bvh:{bvh('quiet', 4.0)}"), guard=stale_orders)
+    report = run_drive(DriveConfig(source=f"bvh:{bvh('quiet', 4.0)}"), guard=stale_command)
     check_shape(report)
     assert report["survived"]
     assert report["frames"] == 120
@@ -137,7 +137,7 @@ def test_files_of_recorded_frames_with_holes_and_nonsense_are_driven(tmp_path):
     whys = []
     report = run_drive(
         DriveConfig(source=f"frames:{path}"),
-        guard=stale_orders,
+        guard=stale_command,
         on_tick=lambda tick: whys.append(tick.why),
     )
     check_shape(report)
@@ -175,7 +175,7 @@ def test_an_empty_source_makes_an_empty_report_with_every_key():
 def test_a_tour_visits_every_state_and_the_robot_survives(seed):
     speeds, ticks = {}, []
     report = run_drive(
-        DriveConfig(source="operator", seed=seed), guard=stale_orders, on_tick=ticks.append
+        DriveConfig(source="operator", seed=seed), guard=stale_command, on_tick=ticks.append
     )
     check_shape(report)
     assert report["survived"], report["survival_ratio"]
@@ -196,7 +196,7 @@ def test_real_clips_are_survived_with_paws_up_where_arms_are_within_the_time_of_
     assert names
     for path in names:
         kind = "bvh" if path.suffix == ".bvh" else "frames"
-        report = run_drive(DriveConfig(source=f"{kind}:{path}"), guard=stale_orders)
+        report = run_drive(DriveConfig(source=f"{kind}:{path}"), guard=stale_command)
         check_shape(report)
         assert report["survived"], path.name
         assert report["inference_ms"]["p50"] < 10.0

@@ -48,6 +48,7 @@ def test_the_demo_says_that_it_fell_and_stands_up_by_itself_after_three_seconds(
     knock_over(loop)
     state = loop.state_dict()
     assert state["counters"]["falls"] == 1
+    assert state["reason"] == "fallen"
     assert "stands up by itself" in state["why"]
     lying = run(loop, 4.0, until=lambda s: not s["stopped"])
     assert len(lying) * DT > 2.0

@@ -157,6 +157,28 @@ def test_a_stop_latches_changes_neither_mode_nor_lock_and_damps(make):
     assert (armed["stopped"], armed["armed"], armed["why"]) == (False, True, "")
 
 
+def test_the_state_has_a_word_for_why_and_how_long_ago_somebody_was_seen(make):
+    loop = make(Script(lambda k, pose: pose if 10 < k < 40 else None))
+    told = []
+    for _ in range(70):
+        loop.tick()
+        told.append(loop.state_dict())
+        loop.wait()
+    assert [(s["reason"], s["stale_s"]) for s in told[:11]] == [("nobody", None)] * 11
+    assert told[20]["reason"] == ""
+    assert told[20]["stale_s"] == 0.0
+    assert told[48]["reason"] == "stale"
+    assert told[48]["stale_s"] == pytest.approx(9 * DT, abs=1e-3)  # the last came in period 39
+    words = [ask(loop, command).state for command in (c.Stop(), c.Reset(), c.Arm())]
+    assert [(s["reason"], s["needs_reset"]) for s in words[:2]] == [
+        ("stopped", True),
+        ("stopped", False),
+    ]
+    assert words[2]["reason"] == "stale"
+    assert ask(loop, c.SetMode(mode="idle")).state["reason"] == "idle"
+    assert all(bool(s["reason"]) == bool(s["why"]) for s in told + words)
+
+
 def test_a_command_is_answered_after_the_tick_that_applied_it_or_with_why(make):
     loop = make()
     run(loop, 0.2)
@@ -211,6 +233,7 @@ def test_a_locked_state_is_kept_whatever_the_person_does(make):
     ticks = run(loop, 6.0)
     assert {tick.state for tick in ticks[60:]} == {"stand"}
     assert ticks[-1].why.startswith("locked")
+    assert loop.state_dict()["reason"] == "locked"
 
 
 def test_a_new_source_is_followed_from_its_start_without_a_jump(make):
@@ -360,7 +383,7 @@ def test_a_late_period_is_counted_and_a_slow_computer_is_told(make):
         loop.tick()
         loop.clock.advance(0.05)
         loop.wait()
-    assert loop.overrun
+    assert loop.session.safety.overrun
     loop.tick()
     assert loop.state_dict()["why"].startswith("overrun")
 
@@ -383,6 +406,7 @@ def test_what_was_recorded_can_be_replayed_paused_and_left(make):
     paused = run(loop, 0.3)
     assert len({tick.index for tick in paused}) == 1
     assert paused[-1].why.startswith("replay")
+    assert loop.state_dict()["reason"] == "paused"
     assert ask(loop, c.SetMode(mode="live")).state["mode"] == "live"
     loop.session.close()
 

@@ -2,12 +2,18 @@
 
 import pytest
 
+from studio.control.command import REASONS
 from studio.control.controller import Directive
-from studio.live.safety import Safety, Situation, stale_directive, stale_orders
+from studio.control.staleness import stale_command, stale_directive, why_still
+from studio.live.safety import OVERRUN_WINDOW, Safety
 
 
-def situation(now: float = 0.0, **changes) -> Situation:
-    return Situation(**{"now": now, "mode": "live", "human_at": now, **changes})
+def decided(safety, now=0.0, *, human_at="now", overrun=False, mode="live", **more):
+    """What `safety` decides; human_at: when somebody was last seen, None for never."""
+    safety.seen_at = now if human_at == "now" else human_at
+    for _ in range(OVERRUN_WINDOW):
+        safety.period(late=overrun)
+    return safety.command(now, mode, **more)
 
 
 @pytest.mark.parametrize(
@@ -24,41 +30,41 @@ def situation(now: float = 0.0, **changes) -> Situation:
 )
 def test_a_person_who_goes_missing_is_first_reused_then_held_then_stood_for(age, directive):
     assert stale_directive(age) is directive
-    orders = Safety(armed=True).orders(situation(now=age, human_at=0.0))
-    assert orders.directive is directive
-    assert not orders.damping  # damping is never for somebody who stepped out of view
-    assert orders.why.startswith("stale") == (directive is not Directive.FOLLOW)
+    command = decided(Safety(armed=True), now=age, human_at=0.0)
+    assert command.directive is directive
+    assert not command.damping  # damping is never for somebody who stepped out of view
+    assert command.why.startswith("stale") == (directive is not Directive.FOLLOW)
 
 
 def test_nobody_seen_yet_is_no_reason_to_move():
-    assert stale_orders(float("inf")).directive is Directive.FOLLOW
-    assert Safety(armed=True).orders(situation(human_at=None)).directive is Directive.REST
+    assert stale_command(float("inf")).directive is Directive.FOLLOW
+    assert decided(Safety(armed=True), human_at=None).directive is Directive.REST
 
 
 def test_an_emergency_stop_latches_until_reset_and_arm_in_that_order():
     safety = Safety(armed=True)
     safety.stop("emergency stop")
-    assert safety.orders(situation()).damping
+    assert decided(safety).damping
     assert "reset first" in safety.arm(1.0)
     assert safety.stopped
     safety.reset()
-    standing = safety.orders(situation(now=1.0))
+    standing = decided(safety, now=1.0)
     assert (standing.damping, standing.directive) == (False, Directive.STAND)
     assert safety.stopped
     assert standing.why.startswith("stopped")
     assert safety.arm(2.0) == ""
     assert not safety.stopped
-    assert safety.orders(situation(now=2.5)).ramp == 1.0
-    assert safety.orders(situation(now=3.5)).ramp is None
+    assert decided(safety, now=2.5).ramp == 1.0
+    assert decided(safety, now=3.5).ramp is None
 
 
 def test_the_stop_wins_over_everything_else():
     safety = Safety(armed=True)
     safety.take_control("page-1", now=0.0)
     safety.stop("emergency stop")
-    orders = safety.orders(situation(now=9.0, mode="idle", human_at=None, overrun=True))
-    assert orders.damping
-    assert orders.why.startswith("stopped")
+    command = decided(safety, now=9.0, mode="idle", human_at=None, overrun=True)
+    assert command.damping
+    assert command.why.startswith("stopped")
 
 
 def test_a_lost_page_makes_the_robot_stand_within_half_a_second():
@@ -68,29 +74,29 @@ def test_a_lost_page_makes_the_robot_stand_within_half_a_second():
     for t in times:
         if t <= 1.0:
             safety.beat("page-1", t)
-        orders = safety.orders(situation(now=t))
-        if orders.directive is Directive.STAND:
+        command = decided(safety, now=t)
+        if command.directive is Directive.STAND:
             break
     assert 1.0 < t <= 1.5
-    assert orders.why.startswith("page lost")
+    assert command.why.startswith("page lost")
 
 
 def test_a_headless_client_that_never_took_control_is_no_lost_page():
     safety = Safety(armed=True)
-    assert safety.orders(situation(now=100.0)).directive is Directive.FOLLOW
+    assert decided(safety, now=100.0).directive is Directive.FOLLOW
     safety.take_control("page-1", now=0.0)
     safety.release_control("page-1")
-    assert safety.orders(situation(now=100.0)).directive is Directive.FOLLOW
+    assert decided(safety, now=100.0).directive is Directive.FOLLOW
 
 
 def test_whoever_arms_takes_the_place_of_a_lost_page_until_it_is_back():
     safety = Safety(armed=True)
     safety.take_control("page-1", now=0.0)
-    assert safety.orders(situation(now=5.0)).directive is Directive.STAND
+    assert decided(safety, now=5.0).directive is Directive.STAND
     assert safety.arm(5.0) == ""
-    assert safety.orders(situation(now=9.0)).directive is Directive.FOLLOW
+    assert decided(safety, now=9.0).directive is Directive.FOLLOW
     safety.beat("page-1", 9.0)
-    assert safety.orders(situation(now=9.1)).directive is Directive.FOLLOW
+    assert decided(safety, now=9.1).directive is Directive.FOLLOW
     assert safety.page_lost(9.5)
 
 
@@ -102,18 +108,65 @@ def test_beats_of_a_page_that_only_watches_keep_nobody_alive():
 
 
 @pytest.mark.parametrize(
-    ("armed", "changes", "word"),
+    ("armed", "changes", "word", "reason"),
     [
-        (True, {"mode": "idle"}, "idle"),
-        (False, {"mode": "idle"}, "idle"),
-        (False, {}, "unarmed"),
-        (True, {"source_ended": True}, "ended"),
-        (True, {"overrun": True}, "overrun"),
-        (True, {"human_at": None}, "stale"),
+        (True, {"mode": "idle"}, "idle", "idle"),
+        (False, {"mode": "idle"}, "idle", "idle"),
+        (False, {}, "unarmed", "unarmed"),
+        (True, {"source_ended": True}, "ended", "source_ended"),
+        (True, {"overrun": True}, "overrun", "overrun"),
+        (True, {"human_at": None}, "stale", "nobody"),
+        (True, {"now": 9.0, "human_at": 8.6}, "stale", "stale"),
     ],
 )
-def test_one_line_always_says_why_nothing_moves(armed, changes, word):
-    orders = Safety(armed=armed).orders(situation(**changes))
-    assert orders.directive is not Directive.FOLLOW
-    assert orders.why.startswith(word)
-    assert "\n" not in orders.why
+def test_one_line_and_one_word_always_say_why_nothing_moves(armed, changes, word, reason):
+    command = decided(Safety(armed=armed), **changes)
+    assert command.directive is not Directive.FOLLOW
+    assert command.why.startswith(word)
+    assert "\n" not in command.why
+    assert command.reason == reason in REASONS
+
+
+def test_a_latched_stop_keeps_the_word_for_what_made_it_until_armed():
+    safety = Safety(armed=True)
+    assert (decided(safety).reason, decided(safety).why) == ("", "")
+    for make, reason in (
+        (lambda: safety.stop("emergency stop by page-1"), "stopped"),
+        (lambda: safety.fall(0.0, demo=False), "fallen"),
+        (lambda: safety.stop("a fault: no", "fault"), "fault"),
+    ):
+        make()
+        assert decided(safety, mode="idle").reason == reason
+        safety.reset()
+        assert decided(safety).reason == reason
+        assert safety.arm(0.0) == ""
+        assert decided(safety).reason == ""
+    safety.take_control("page-1", now=0.0)
+    assert decided(safety, now=1.0).reason == "page_lost"
+
+
+def test_the_age_of_what_was_seen_is_counted_on_the_same_clock_for_all():
+    safety = Safety(armed=True)
+    assert safety.stale_s(5.0) is None
+    safety.see(5.0)
+    assert safety.stale_s(5.25) == 0.25
+    safety.forget_person()
+    assert safety.stale_s(6.0) is None
+
+
+@pytest.mark.parametrize(
+    ("age", "expert", "lock", "reason"),
+    [
+        (float("inf"), "walk", None, "nobody"),
+        (0.4, "walk", None, "stale"),
+        (0.0, "unknown", None, "unknown"),
+        (0.0, "walk", "sit", "locked"),
+        (0.0, "walk", "walk", ""),
+        (0.0, "unknown", "walk", ""),
+        (0.0, "walk", None, ""),
+    ],
+)
+def test_what_the_person_does_may_be_the_reason_too(age, expert, lock, reason):
+    said, why = why_still(age, expert, {"walk": 0.8, "sit": 0.2}, lock)
+    assert said == reason in REASONS
+    assert bool(said) == bool(why)

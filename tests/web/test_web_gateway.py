@@ -18,7 +18,7 @@ from studio.web.serve import bind, checked_token, serve
 TOKEN = "test-token-0123456789"
 STATE_KEYS = {
     "mode", "state", "state_lock", "expert", "votes", "stopped", "armed", "why", "source", "scene",
-    "latency_ms", "counters", "robot",
+    "latency_ms", "counters", "robot", "needs_reset", "stale_s", "reason",
 }  # fmt: skip
 
 

@@ -135,6 +135,9 @@ ticks((tick) => {
   for (const row of $$("#vocabulary li")) row.classList.toggle("now", row.dataset.id === meaning);
 });
 
+const STOPS = { stopped: "Emergency stop", fallen: "The robot fell", fault: "Stopped by a fault" };
+const seen = (s) => (s === null ? "Nobody was seen yet" : `Last human pose ${s.toFixed(1)} s ago`);
+
 // … ten times …
 function drawState(state) {
   press($("#mode"), "mode", state.mode);
@@ -148,12 +151,14 @@ function drawState(state) {
   $("#reset").classList.toggle("next", needsReset);
   $("#arm").classList.toggle("next", !needsReset && !state.armed);
   $("#arm").disabled = Boolean(state.armed) && !stopped;
-  text($("#stopped b"), /emergency/.test(state.why) ? "Emergency stop" : /fell/.test(state.why) ? "The robot fell" : "Stopped");
+  text($("#stopped b"), STOPS[state.reason] ?? "Stopped");
   text($("#stopped span"), needsReset ? "Its joints are damped. Press Reset to stand up, then Arm." : "It is up again. Press Arm to follow.");
   const status = $("#status");
-  status.dataset.kind = stopped ? "stopped" : state.why ? "wait" : "moving";
+  status.dataset.kind = stopped ? "stopped" : state.reason ? "wait" : "moving";
+  status.dataset.reason = state.reason;
+  status.title = seen(state.stale_s);
   const doing = { stand: "standing with you", walk: WALKING[state.style] ?? "walking", sit: "sitting with you", transition: "changing its stance" };
-  text($("span", status), state.why ? capital(state.why)
+  text($("span", status), state.reason ? capital(state.why)
     : state.mode === "collect" ? "Collecting: the robot shows what to act out"
     : state.mode === "replay" ? "Replaying a take, as it was" : `Following: ${doing[state.state] ?? state.state}`);
   const { holder, pages } = state.control ?? { pages: [] };
