@@ -367,6 +367,7 @@ def test_a_fault_in_the_flow_stops_the_robot_and_the_loop_lives_to_be_reset(make
     run(loop, 0.2)
     assert loop.state_dict()["stopped"]
     assert "fault" in loop.state_dict()["why"]
+    assert loop.state_dict()["reason"] == "fault"
     monkeypatch.undo()
     assert ask(loop, c.Reset()).ok
     assert ask(loop, c.Arm()).ok
@@ -386,6 +387,7 @@ def test_a_late_period_is_counted_and_a_slow_computer_is_told(make):
     assert loop.session.safety.overrun
     loop.tick()
     assert loop.state_dict()["why"].startswith("overrun")
+    assert loop.state_dict()["reason"] == "overrun"
 
 
 def test_what_was_recorded_can_be_replayed_paused_and_left(make):
