@@ -11,7 +11,7 @@ import numpy as np
 from studio.errors import StudioError
 from studio.human.calibration import Calibration
 from studio.live.collect import ACTIONS, Collect, CollectPlan, Slot, Step
-from studio.live.disk_writer import Clerk
+from studio.live.disk_writer import DiskWriter
 from studio.live.shown import QUIET_S, Place, PlanItem, at_rest, draw_motion
 from studio.reference.intent import Intent, StateName
 from studio.robot.pose import ReferencePose, RobotPose
@@ -53,7 +53,7 @@ class Collector:
     def __init__(self, root: Path, recorder: Recorder) -> None:
         self.root, self.recorder = Path(root), recorder
         self.machine = Collect()
-        self.clerk = Clerk()
+        self.disk = DiskWriter()
         self.take: str | None = None  # the one being recorded, or to be judged
         self.kept: list[str] = []
         self.rejected: list[str] = []
@@ -147,7 +147,7 @@ class Collector:
             self.machine.abort()
             return
         self.take, self._own = name, True
-        self.clerk.do(
+        self.disk.do(
             lambda: self._book.add(
                 plan.operator, name, notes=plan.notes, calibration=as_calibration(calibration)
             )
@@ -168,12 +168,12 @@ class Collector:
         (self.kept if keep else self.rejected).append(name)
         changes: dict[str, Any] = {"keep": keep} | ({"note": note} if note else {})
         folder = take_folder(self.root, name)
-        self.clerk.do(lambda: edits.edit(folder, **changes))
+        self.disk.do(lambda: edits.edit(folder, **changes))
         return {"take": name, "keep": keep}
 
     def close(self) -> None:
         """End the disk work."""
-        self.clerk.close()
+        self.disk.close()
 
     # For the page -------------------------------------------------------------------------------
 
@@ -194,7 +194,7 @@ class Collector:
             "take": self.take,
             "kept": self.kept[-200:],
             "rejected": self.rejected[-200:],
-            "why": self.why or self.clerk.problem,
+            "why": self.why or self.disk.problem,
             "plan": _plan(machine.slots),
         }
         if slot is not None:

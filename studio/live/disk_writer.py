@@ -11,7 +11,7 @@ from studio.errors import StudioError
 log = logging.getLogger(__name__)
 
 
-class Clerk:
+class DiskWriter:
     """A thread that does what it is given, in order. `problem`: the last thing that failed."""
 
     def __init__(self) -> None:
@@ -22,7 +22,7 @@ class Clerk:
     def do(self, work: Callable[[], object]) -> None:
         """Have something done soon; returns at once."""
         if self._thread is None:
-            self._thread = threading.Thread(target=self._run, name="clerk", daemon=True)
+            self._thread = threading.Thread(target=self._run, name="disk", daemon=True)
             self._thread.start()
         self._work.put(work)
 
