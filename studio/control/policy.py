@@ -15,6 +15,7 @@ from studio.control.action import ActionConfig, clip_action, pd_target
 from studio.control.observation import History, ObservationConfig
 from studio.control.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
 from studio.errors import StudioError
+from studio.files import whole, write_whole
 from studio.paths import carried
 from studio.reference import scalars
 from studio.reference.intent import STATES
@@ -167,9 +168,6 @@ def save_policy(
     path: Path, tensors: dict[str, NDArray[np.float32]], manifest: dict[str, Any]
 ) -> None:
     """Write NAME.safetensors and NAME.json, each whole or not at all."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    scratch = path.with_suffix(".tmp")
-    save_file(tensors, scratch)
-    scratch.replace(path)
-    scratch.write_text(json.dumps(manifest, indent=1) + "\n")
-    scratch.replace(path.with_suffix(".json"))
+    with whole(path, parents=True) as scratch:
+        save_file(tensors, scratch)
+    write_whole(path.with_suffix(".json"), json.dumps(manifest, indent=1) + "\n")

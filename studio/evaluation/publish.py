@@ -15,6 +15,7 @@ import tyro
 from studio.control.policy import MODELS
 from studio.errors import StudioError
 from studio.evaluation.tracking import run_tracking
+from studio.files import whole
 from studio.reference.intent import StateName
 
 log = logging.getLogger(__name__)
@@ -73,10 +74,8 @@ def publish(config: Publish) -> dict[str, Any]:
     sidecar.write_text(json.dumps(manifest, indent=1) + "\n")
     for file in sorted(p for p in stage.rglob("*") if p.is_file()):
         target = MODELS / file.relative_to(stage)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        scratch = target.with_suffix(".tmp")
-        shutil.copy(file, scratch)
-        scratch.replace(target)
+        with whole(target, parents=True) as scratch:
+            shutil.copy(file, scratch)
     return scores
 
 

@@ -17,11 +17,12 @@ from rich.progress import Progress
 from studio.control.policy import MODELS
 from studio.errors import StudioError, unknown_name
 from studio.evaluation.contenders import CONTROLLERS, Contender, contender
+from studio.files import fingerprint
 from studio.metrics import bootstrap_ci
 from studio.reference.intent import STATES, StateName
 from studio.rl import episodes as simulate
 from studio.rl.bank import MotionBank, task_names
-from studio.rl.bank_store import STUDIO, digest, library_bank, save_arrays
+from studio.rl.bank_store import library_bank, save_arrays
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
@@ -155,6 +156,10 @@ def _row(state: str, controller: str, seed: int, figures: dict[str, Array]) -> d
     return row
 
 
+_CODE = ("rl", "control", "reference", "robot", "sim", "geometry", "evaluation/disturbed")
+"""What a row depends on."""
+
+
 def _file(
     cache: Path | None,
     motions: Motions,
@@ -167,16 +172,5 @@ def _file(
     """Where a chunk's per-episode figures are kept."""
     if cache is None:
         return None
-    key = hashlib.sha256((_code() + who.digest).encode()).hexdigest()[:12]
+    key = hashlib.sha256((fingerprint(*_CODE) + who.digest).encode()).hexdigest()[:12]
     return cache / f"{motions.__name__}-{state}-{who.name}-{num}-{seed}-{chunk}-{key}.npz"
-
-
-def _code() -> str:
-    """Changes with any code that a row depends on."""
-    files = [
-        f
-        for room in ("rl", "control", "reference", "robot", "sim")
-        for f in (STUDIO / room).rglob("*.py")
-    ]
-    files += [STUDIO / "geometry.py", STUDIO / "evaluation" / "disturbed.py"]
-    return digest(files)

@@ -2,8 +2,7 @@
 
 import hashlib
 import json
-import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -11,17 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.files import fingerprint, whole
 from studio.reference.intent import StateName
 from studio.rl.bank import MotionBank, build_bank, task_names
 
-STUDIO = Path(__file__).resolve().parents[1]
-DRAWN_BY = ("rl/bank", "rl/crossing", "control/controller", "control/transition")
-"""Files besides the reference's and the robot's that a bank's motions depend on."""
-
-
-def digest(files: Iterable[Path]) -> str:
-    """Changes whenever one of the files does."""
-    return hashlib.sha256(b"".join(f.read_bytes() for f in sorted(files))).hexdigest()
+DRAWN_BY = (
+    "geometry", "reference", "robot", "rl/bank", "rl/crossing", "control/controller",
+    "control/transition",
+)  # fmt: skip
+"""The code that a bank's motions depend on."""
 
 
 def kept(folder: Path | None, name: str, key: Any, draw: Callable[[], MotionBank]) -> MotionBank:
@@ -43,22 +40,14 @@ def kept(folder: Path | None, name: str, key: Any, draw: Callable[[], MotionBank
 
 def save_arrays(file: Path, arrays: dict[str, NDArray[Any]]) -> None:
     """An .npz, whole or not at all, whoever else is writing it."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    scratch = file.with_suffix(f".{os.getpid()}.tmp.npz")
-    np.savez(scratch, **arrays)  # pyright: ignore[reportArgumentType]
-    scratch.rename(file)
+    with whole(file, parents=True) as scratch, scratch.open("wb") as out:
+        np.savez(out, **arrays)  # pyright: ignore[reportArgumentType]
 
 
 def library_bank(folder: Path | None, state: StateName, **drawn: Any) -> MotionBank:
     """`build_bank` of a state, kept in a folder; changed arguments or code make new ones."""
-    key = [_library_digest(), state, task_names(state), sorted(drawn.items())]
+    key = [fingerprint(*DRAWN_BY), state, task_names(state), sorted(drawn.items())]
     return kept(folder, f"bank-{state}", key, lambda: build_bank(state, **drawn))
-
-
-def _library_digest() -> str:
-    """Changes whenever the code that makes reference motions does."""
-    files = [*(STUDIO / "reference").rglob("*.py"), *(STUDIO / "robot").glob("*.py")]
-    return digest(files + [STUDIO / f"{name}.py" for name in DRAWN_BY])
 
 
 def _read(file: Path) -> MotionBank:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
+from studio.files import whole
 from studio.robot import a1, kinematics
 from studio.robot.pose import RobotPose
 
@@ -184,11 +185,8 @@ def _save(path: Path, meshes: dict[str, LinkMesh]) -> None:
             f"faces_{i}": mesh.faces,
             f"color_{i}": np.array(mesh.color),
         }
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-    with temporary.open("wb") as file:
+    with whole(path, parents=True) as temporary, temporary.open("wb") as file:
         np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
-    temporary.replace(path)
 
 
 def _load(path: Path) -> dict[str, LinkMesh]:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
+from studio.files import whole, write_whole
 from studio.human.pose import HumanPose
 from studio.human.skeleton import NUM_JOINTS
 from studio.robot import a1
@@ -155,19 +156,15 @@ _about = msgspec.json.Decoder(_About)
 
 def _build(tape: Path, base: Path, key: list[int]) -> None:
     found, names = TapeScan(), []
-    temporary = base.with_suffix(f".{os.getpid()}.tmp")
-    try:
-        count = 0
+    count = 0
+    with whole(base.with_suffix(".rows")) as temporary:
         with temporary.open("wb") as file:
             for block in _rows(tape, found, names):
                 file.write(block.tobytes())
                 count += len(block)
-        about = _About(key=key, rows=count, names=names, problem=found.problem)
         base.with_suffix(".json").unlink(missing_ok=True)
-        temporary.replace(base.with_suffix(".rows"))
-        base.with_suffix(".json").write_bytes(msgspec.json.encode(about))
-    finally:
-        temporary.unlink(missing_ok=True)
+    about = _About(key=key, rows=count, names=names, problem=found.problem)
+    write_whole(base.with_suffix(".json"), msgspec.json.encode(about))
 
 
 def _in_memory(tape: Path) -> Columns:

@@ -11,6 +11,7 @@ from pathlib import Path
 import msgspec
 
 from studio.errors import StudioError
+from studio.files import write_whole
 from studio.takes.listing import TakeInfo
 from studio.takes.record.recorder import META, TAPE
 from studio.takes.stored import read_json
@@ -54,10 +55,10 @@ class Index:
 
     def save(self, takes: Known) -> None:
         """Remember it."""
-        temporary = self._root / f"{INDEX}.{os.getpid()}.tmp"
         with contextlib.suppress(OSError):  # a folder that cannot be written is listed slower
-            temporary.write_bytes(msgspec.json.encode(_Index(version=_VERSION, takes=takes)))
-            temporary.replace(self._root / INDEX)
+            write_whole(
+                self._root / INDEX, msgspec.json.encode(_Index(version=_VERSION, takes=takes))
+            )
 
 
 def folders(root: Path, known: Known | None = None) -> dict[str, Key]:

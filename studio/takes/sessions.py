@@ -5,7 +5,6 @@ calibration of the last take and the names of the takes. Takes do not depend on 
 the grouping only.
 """
 
-import os
 from datetime import date, datetime
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 import msgspec
 
 from studio.errors import StudioError
+from studio.files import write_whole
 from studio.takes.names import check_name, slug
 from studio.takes.stored import read_json
 
@@ -101,10 +101,8 @@ class SessionBook:
 
     def _write(self, session: CollectSession) -> None:
         path = self._path(session.name)
-        temporary = path.with_suffix(f".{os.getpid()}.tmp")
         try:
-            self.folder.mkdir(parents=True, exist_ok=True)
-            temporary.write_bytes(msgspec.json.format(msgspec.json.encode(session), indent=1))
-            temporary.replace(path)
+            data = msgspec.json.format(msgspec.json.encode(session), indent=1)
+            write_whole(path, data, parents=True)
         except OSError as error:
             raise StudioError(f"session {session.name} was not kept: {error.strerror}") from error

@@ -14,15 +14,14 @@ from safetensors import SafetensorError, safe_open
 from safetensors.torch import save_file
 
 from studio.errors import StudioError
+from studio.files import whole
 
 
 def save(path: Path, tensors: dict[str, torch.Tensor], facts: dict[str, Any]) -> None:
     """Write tensors by name and JSON-able facts to `path`."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    scratch = path.with_suffix(".tmp")
-    whole = {k: v.detach().cpu().contiguous().clone() for k, v in tensors.items()}
-    save_file(whole, scratch, metadata={"facts": json.dumps(facts)})
-    scratch.replace(path)
+    kept = {k: v.detach().cpu().contiguous().clone() for k, v in tensors.items()}
+    with whole(path, parents=True) as scratch:
+        save_file(kept, scratch, metadata={"facts": json.dumps(facts)})
 
 
 def load(path: Path) -> tuple[dict[str, torch.Tensor], dict[str, Any]]:

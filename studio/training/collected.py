@@ -24,6 +24,7 @@ from safetensors.numpy import load_file, save_file
 
 from studio import geometry, metrics
 from studio.errors import StudioError
+from studio.files import whole
 from studio.reference.intent import STATES, StateName
 from studio.retarget.baselines.base import FrameMapper, Targets
 from studio.retarget.baselines.nearest import NearestPair
@@ -251,28 +252,24 @@ def write_mapper(
 ) -> None:
     """The folder of a mapper, whole or not at all: own experts, shipped ones for the rest."""
     source = style_dir(style)
-    scratch = out.with_name(f".{out.name}.tmp")
     try:
-        shutil.rmtree(scratch, ignore_errors=True)
-        scratch.mkdir(parents=True)
-        for part in (*STATES, "selector"):
-            if part in tensors:
-                save_file(dict(tensors[part]), scratch / f"{part}.safetensors")
-                facts = {"expert": part, **about["experts"][part], "dataset": about["dataset"]}
-                (scratch / f"{part}.json").write_text(json.dumps(facts, indent=1) + "\n")
-            elif not ruled(part, style):
-                # Kept beside the others, so that the mapper stays what it is when these change.
-                shipped = stem(source, part, style)
-                for suffix in (".safetensors", ".json"):
-                    shutil.copyfile(shipped.with_suffix(suffix), scratch / f"{part}{suffix}")
-        (scratch / "mapper.json").write_text(json.dumps(about, indent=1) + "\n")
-        if out.exists():
-            raise StudioError(f"a mapper named {out.name} exists: choose another name")
-        scratch.rename(out)
+        with whole(out, parents=True) as scratch:
+            scratch.mkdir()
+            for part in (*STATES, "selector"):
+                if part in tensors:
+                    save_file(dict(tensors[part]), scratch / f"{part}.safetensors")
+                    facts = {"expert": part, **about["experts"][part], "dataset": about["dataset"]}
+                    (scratch / f"{part}.json").write_text(json.dumps(facts, indent=1) + "\n")
+                elif not ruled(part, style):
+                    # Kept beside the others, so that the mapper stays what it is when these change.
+                    shipped = stem(source, part, style)
+                    for suffix in (".safetensors", ".json"):
+                        shutil.copyfile(shipped.with_suffix(suffix), scratch / f"{part}{suffix}")
+            (scratch / "mapper.json").write_text(json.dumps(about, indent=1) + "\n")
+            if out.exists():
+                raise StudioError(f"a mapper named {out.name} exists: choose another name")
     except OSError as error:
         raise StudioError(f"mapper {out.name} was not kept: {error.strerror}") from error
-    finally:
-        shutil.rmtree(scratch, ignore_errors=True)
 
 
 def _teller(file: Path | None) -> Say:

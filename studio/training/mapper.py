@@ -17,6 +17,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from safetensors.numpy import save_file
 
 from studio.errors import StudioError, unknown_name
+from studio.files import whole
 from studio.reference.intent import StateName
 from studio.retarget.mapper import Mapper
 from studio.retarget.states import EXPERTS
@@ -133,7 +134,6 @@ def _write(
         (stem.with_suffix(".safetensors"), lambda p: save_file(tensors, p)),
         (stem.with_suffix(".json"), lambda p: p.write_text(json.dumps(row, indent=1) + "\n")),
     ):
-        scratch = path.with_suffix(path.suffix + ".tmp")
-        write(scratch)
-        scratch.replace(path)
+        with whole(path) as scratch:
+            write(scratch)
     return row

@@ -13,12 +13,13 @@ from pathlib import Path
 import numpy as np
 
 from studio.control.command import PuppeteerConfig
+from studio.files import fingerprint
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.reference.motion import ReferenceMotion
 from studio.retarget.store import MODELS
 from studio.rl.bank import MotionBank, assemble, merged
-from studio.rl.bank_store import STUDIO, digest, kept
+from studio.rl.bank_store import kept
 from studio.robot import a1
 from studio.robot.pose import ReferencePose
 from studio.sources import open_source, poses
@@ -43,6 +44,11 @@ ACTED: dict[str, Acted] = {
 SECONDS = 26.0
 """Of each person: the way into the state, and two motions of ten seconds."""
 TASK = "retargeted"
+ACTED_BY = (
+    "geometry", "human", "robot", "reference", "sim", "synthetic", "retarget", "control",
+    "sources", "puppeteer", "rl/bank", "training/retargeted",
+)  # fmt: skip
+"""The code that decides what mappers make of people: none of the page's, of takes, of training."""
 
 
 def acted_bank(state: StateName, people: int, seed: int, frames: int = 301) -> MotionBank:
@@ -61,13 +67,14 @@ def acted_bank(state: StateName, people: int, seed: int, frames: int = 301) -> M
 def with_people(bank: MotionBank, people: int, seed: int, cache: Path | None = None) -> MotionBank:
     """A state's bank, and what mappers make of people on top, at full difficulty.
 
-    cache: folder to keep the latter in, a second for each; any new code or mapper makes new ones.
+    cache: folder to keep the latter in, a second for each; new code of ACTED_BY or a new
+    mapper makes new ones.
     """
     if not people or bank.state not in ACTED:
         return bank
     drawn = bank.state, people, seed, bank.frames
-    everything = [*STUDIO.rglob("*.py"), *(MODELS / "mapper").rglob("*.safetensors")]
-    key = [digest(everything), *drawn]
+    weights = sorted((MODELS / "mapper").rglob("*.safetensors"))
+    key = [fingerprint(*ACTED_BY, *weights), *drawn]
     acted = kept(cache, f"people-{bank.state}", key, lambda: acted_bank(*drawn))
     return merged([bank, acted], bank.state)
 

@@ -8,7 +8,7 @@ import pytest
 
 from studio.rl import bank_store
 from studio.rl.bank import MotionBank, build_bank
-from studio.rl.bank_store import digest, kept, library_bank
+from studio.rl.bank_store import kept, library_bank
 
 SETTINGS = {"per_task": 1, "seconds": 1.0, "difficulties": (1.0,)}
 
@@ -55,13 +55,3 @@ def test_other_keys_draw_anew_and_no_folder_keeps_nothing(tmp_path: Path) -> Non
         kept(folder, "some", [key, "key"], draw)
     assert count == 4
     assert len(list(tmp_path.iterdir())) == 2
-
-
-def test_a_digest_changes_with_any_file(tmp_path: Path) -> None:
-    files = [tmp_path / "a", tmp_path / "b"]
-    for file in files:
-        file.write_text("x")
-    before = digest(files)
-    assert digest(reversed(files)) == before
-    files[1].write_text("y")
-    assert digest(files) != before

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
+from studio.files import write_whole
 from studio.robot import a1
 from studio.takes.align import alignment, lag, likelihood
 from studio.takes.align.alignment import Alignment
@@ -119,7 +120,7 @@ def _curve(folder: Path) -> lag.Curve | None:
         else {k: getattr(own, k).tolist() for k in ("lags", "level", "place", "explained")}
     )
     with contextlib.suppress(OSError):
-        cache.write_bytes(msgspec.json.encode({"key": key, "curve": values}))
+        write_whole(cache, msgspec.json.encode({"key": key, "curve": values}))
     return own
 
 

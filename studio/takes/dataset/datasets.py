@@ -9,12 +9,10 @@ gives its version, and the table the hash of the contents in it, is checked on l
 """
 
 import hashlib
-import shutil
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 import msgspec
@@ -23,29 +21,24 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
-from studio import __version__, geometry
+from studio import __version__
 from studio.errors import StudioError, unknown_name
-from studio.human import calibration, canonical, features, filters, posture, skeleton
-from studio.reference import contact, motion, stances
+from studio.files import fingerprint, whole
 from studio.reference.intent import STATES
-from studio.robot import a1, kinematics, legs, single
-from studio.takes import columns, take
-from studio.takes.align import alignment, lag, likelihood, synchrony
-from studio.takes.dataset import pairs
 from studio.takes.dataset.pairs import SHAPES, Pairs, settled, take_pairs, walked_in, why_none
-from studio.takes.edit import edited
 from studio.takes.edit.edits import Edits
 from studio.takes.library import SessionLibrary
 from studio.takes.names import check_name
-from studio.takes.record import codec, tape
 from studio.takes.record.recorder import TAPE
 
 DATASETS, TABLE, MANIFEST = "datasets", "pairs.parquet", "manifest.json"
 FORMAT_VERSION = 1
-_CODE: tuple[ModuleType, ...] = (
-    a1, alignment, calibration, canonical, codec, columns, contact, edited, features, filters,
-    geometry, kinematics, lag, legs, likelihood, motion, pairs, posture, single, skeleton,
-    stances, synchrony, take, tape,
+_CODE = (
+    "geometry", "human/calibration", "human/canonical", "human/features", "human/filters",
+    "human/posture", "human/skeleton", "reference/contact", "reference/motion",
+    "reference/stances", "robot/a1", "robot/kinematics", "robot/legs", "robot/single",
+    "takes/align", "takes/columns", "takes/dataset/pairs", "takes/edit/edited",
+    "takes/record/codec", "takes/record/tape", "takes/take", "takes/tick",
 )  # fmt: skip
 _EDITS = ("trim", "cuts", "lag", "warp", "keep", "label")
 _TAKE = ("name", "tape", "edits")
@@ -152,10 +145,7 @@ def versions(root: Path) -> list[dict[str, Any]]:
 
 def code_version() -> str:
     """A hash of the sources that decide what a pair is."""
-    digest = hashlib.sha256()
-    for module in _CODE:
-        digest.update(Path(str(module.__file__)).read_bytes())
-    return digest.hexdigest()[:16]
+    return fingerprint(*_CODE)[:16]
 
 
 def _version(made_from: Mapping[str, Any]) -> str:
@@ -194,40 +184,34 @@ def _write(
     known: Mapping[str, tuple[Edits, str]],
 ) -> None:
     """Take by take, so that memory holds one; a temporary folder, renamed when it is whole."""
-    temporary = folder.with_name(f".{version}.tmp")
-    shutil.rmtree(temporary, ignore_errors=True)
     rows = []
     try:
-        temporary.mkdir(parents=True)
-        with pq.ParquetWriter(temporary / TABLE, schema(), compression="zstd") as writer:
-            for number, take in enumerate(made_from["takes"]):
-                found = take_pairs(library, take["name"], known[take["name"]])
-                use = np.isin(found.state, [STATES.index(s) for s in made_from["states"]])
-                if use.any():
-                    writer.write_table(table_of(found, number, use))
-                rows.append(_about(found, use))
-        arrays = read_table(temporary / TABLE)
-        if not len(arrays["tick"]):
-            raise StudioError(_why_none(library, list(known), made_from["states"]))
-        manifest = made_from | {
-            "version": version,
-            "made": datetime.now().astimezone().isoformat(timespec="seconds"),
-            "studio_version": __version__,
-            "content": content_hash(arrays),
-            "count": len(arrays["tick"]),
-            "takes": [a | b for a, b in zip(made_from["takes"], rows, strict=True)],
-            "statistics": statistics(arrays),
-        }
-        (temporary / MANIFEST).write_bytes(
-            msgspec.json.format(msgspec.json.encode(manifest), indent=2)
-        )
-        if folder.exists():  # an earlier attempt that broke off, or another process was faster
-            shutil.rmtree(folder)
-        temporary.rename(folder)
+        with whole(folder, parents=True) as temporary:
+            temporary.mkdir()
+            with pq.ParquetWriter(temporary / TABLE, schema(), compression="zstd") as writer:
+                for number, take in enumerate(made_from["takes"]):
+                    found = take_pairs(library, take["name"], known[take["name"]])
+                    use = np.isin(found.state, [STATES.index(s) for s in made_from["states"]])
+                    if use.any():
+                        writer.write_table(table_of(found, number, use))
+                    rows.append(_about(found, use))
+            arrays = read_table(temporary / TABLE)
+            if not len(arrays["tick"]):
+                raise StudioError(_why_none(library, list(known), made_from["states"]))
+            manifest = made_from | {
+                "version": version,
+                "made": datetime.now().astimezone().isoformat(timespec="seconds"),
+                "studio_version": __version__,
+                "content": content_hash(arrays),
+                "count": len(arrays["tick"]),
+                "takes": [a | b for a, b in zip(made_from["takes"], rows, strict=True)],
+                "statistics": statistics(arrays),
+            }
+            (temporary / MANIFEST).write_bytes(
+                msgspec.json.format(msgspec.json.encode(manifest), indent=2)
+            )
     except OSError as error:
         raise StudioError(f"the data set was not written: {error.strerror}") from error
-    finally:
-        shutil.rmtree(temporary, ignore_errors=True)
 
 
 def _why_none(library: SessionLibrary, names: list[str], states: list[str]) -> str:

@@ -4,14 +4,13 @@ Every export covers what the trim leaves and never changes the take. Formats for
 lerobot, hdf5) and the replay leave cuts out too, and put the person in step with the robot.
 """
 
-import contextlib
-import os
 import shutil
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from studio.errors import StudioError, unknown_name
+from studio.files import whole
 from studio.takes.export.arrays import write_npz
 from studio.takes.export.bvh import write_human_bvh
 from studio.takes.export.extent import human_poses, tick_range
@@ -93,18 +92,11 @@ def export_all(
     path = path / f"{name}{chosen.suffix}" if inside else path
     if chosen.folder and path.is_dir() and any(path.iterdir()):
         raise StudioError(f"{path} is there already: choose a new folder")
-    temporary = path.with_name(f".{path.name}.{os.getpid()}.tmp")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        chosen.write(takes, temporary)
-        temporary.replace(path)
+        with whole(path, parents=True) as temporary:
+            chosen.write(takes, temporary)
     except OSError as error:
         raise StudioError(f"cannot write {path}: {error.strerror or error}") from error
-    finally:
-        if temporary.is_dir():
-            shutil.rmtree(temporary, ignore_errors=True)
-        with contextlib.suppress(OSError):
-            temporary.unlink(missing_ok=True)
     return path
 
 

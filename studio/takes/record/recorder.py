@@ -18,6 +18,7 @@ import msgspec
 
 from studio import __version__
 from studio.errors import StudioError
+from studio.files import write_whole
 from studio.robot import a1
 from studio.takes.names import check_take, slug
 from studio.takes.record import codec
@@ -262,6 +263,4 @@ def _sync_forever(handle: int, stop: threading.Event) -> None:
 
 def write_meta(folder: Path, meta: dict[str, Any]) -> None:
     """Replace meta.json whole."""
-    temporary = folder / (META + ".tmp")
-    temporary.write_bytes(msgspec.json.format(msgspec.json.encode(meta), indent=2))
-    temporary.replace(folder / META)
+    write_whole(folder / META, msgspec.json.format(msgspec.json.encode(meta), indent=2))

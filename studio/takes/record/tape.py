@@ -19,6 +19,7 @@ import zstandard
 from mcap.writer import CompressionType, Writer
 
 from studio.errors import StudioError
+from studio.files import whole
 
 LIBRARY = "a1-studio"
 MAGIC = b"\x89MCAP0\r\n"
@@ -184,18 +185,13 @@ def rewrite_chunked(path: Path, schemas: dict[str, bytes], ticks: int | None = N
     ticks: how many of its ticks are kept (all by default), where the end may be torn.
     Whatever interrupts it, either the old or the new tape is there whole. Raises OSError.
     """
-    temporary = path.with_name(path.name + ".tmp")
-    try:
-        with temporary.open("wb") as file:
-            writer = TapeWriter(file, schemas, chunked=True)
-            for message in scan(path, TapeScan()):
-                if message.topic in schemas and (ticks is None or message.sequence < ticks):
-                    writer.write(message)
-            writer.finish()
-        temporary.replace(path)
-        sync_folder(path.parent)
-    finally:
-        temporary.unlink(missing_ok=True)
+    with whole(path) as temporary, temporary.open("wb") as file:
+        writer = TapeWriter(file, schemas, chunked=True)
+        for message in scan(path, TapeScan()):
+            if message.topic in schemas and (ticks is None or message.sequence < ticks):
+                writer.write(message)
+        writer.finish()
+    sync_folder(path.parent)
 
 
 def sync_folder(folder: Path) -> None:

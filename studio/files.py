@@ -1,0 +1,81 @@
+"""What lies on disk: written whole or not at all, and known by what it was made from."""
+
+import hashlib
+import os
+import shutil
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from glob import escape
+from pathlib import Path
+
+STUDIO = Path(__file__).resolve().parent
+
+
+@contextmanager
+def whole(path: Path, *, parents: bool = False) -> Iterator[Path]:
+    """A path beside `path` for a file or a folder, which takes its place when the block ends.
+
+    Whatever ends the block early, nothing is left of it and `path` is as it was; a folder that was
+    there is replaced. What a killed process left goes with the next write. parents: make the folder
+    around it. Raises OSError.
+    """
+    if parents:
+        path.parent.mkdir(parents=True, exist_ok=True)
+    for left in path.parent.glob(f".{escape(path.name)}.*.tmp"):
+        if not _alive(left):
+            _remove(left)
+    # Two processes or threads that write the same file do not write into each other.
+    mine = f"{os.getpid()}-{threading.get_ident()}"
+    scratch = path.with_name(f".{path.name}.{mine}.tmp")
+    try:
+        yield scratch
+        if scratch.is_dir() and path.is_dir():
+            shutil.rmtree(path)
+        scratch.replace(path)
+    finally:
+        _remove(scratch)
+
+
+def _alive(scratch: Path) -> bool:
+    """Whether the process that writes it is there, as far as can be told."""
+    number = scratch.name.split(".")[-2].partition("-")[0]
+    try:
+        os.kill(int(number), 0)
+    except ProcessLookupError:
+        return False
+    except (ValueError, OverflowError, OSError):
+        return True
+    return True
+
+
+def _remove(scratch: Path) -> None:
+    if scratch.is_dir():
+        shutil.rmtree(scratch, ignore_errors=True)
+    with suppress(OSError):
+        scratch.unlink(missing_ok=True)
+
+
+def write_whole(path: Path, data: bytes | str, *, parents: bool = False) -> None:
+    """Replace a file by these bytes, or this text in UTF-8, whole or not at all. Raises OSError."""
+    with whole(path, parents=parents) as scratch:
+        scratch.write_bytes(data.encode() if isinstance(data, str) else data)
+
+
+def fingerprint(*parts: str | Path) -> str:
+    """(64 hex digits) changes with what is made from these parts, and with nothing else.
+
+    A str names our own code, below studio/: a room ("reference": every file in it) or one file
+    without its suffix ("rl/bank"). A Path is any other file. Raises OSError for what is not there.
+    """
+    digest = hashlib.sha256()
+    for part in parts:
+        for file in _code(part) if isinstance(part, str) else [part]:
+            name = file.relative_to(STUDIO).as_posix() if STUDIO in file.parents else file.name
+            digest.update(f"{name}\0{hashlib.sha256(file.read_bytes()).hexdigest()}\n".encode())
+    return digest.hexdigest()
+
+
+def _code(name: str) -> list[Path]:
+    room = STUDIO / name
+    return sorted(room.rglob("*.py")) if room.is_dir() else [room.with_suffix(".py")]

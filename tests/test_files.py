@@ -1,0 +1,121 @@
+"""Files are written whole or not at all, and a fingerprint changes with what it names only."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from studio import files
+from studio.training import retargeted
+
+
+def test_a_file_is_replaced_when_the_block_ends_and_not_before(tmp_path: Path):
+    path = tmp_path / "a.txt"
+    files.write_whole(path, "old")
+    with files.whole(path) as scratch:
+        scratch.write_text("new")
+        assert path.read_text() == "old"
+        assert scratch.parent == tmp_path  # the same file system: a rename is one step
+    assert path.read_text() == "new"
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+@pytest.mark.parametrize("folder", [False, True])
+def test_an_error_leaves_what_was_there_and_nothing_else(tmp_path: Path, folder: bool):
+    path = tmp_path / "a"
+    with files.whole(path) as scratch:
+        scratch.mkdir() if folder else scratch.write_text("old")
+
+    def half() -> None:
+        with files.whole(path) as scratch:
+            if folder:
+                scratch.mkdir()
+                (scratch / "part").write_text("half")
+            else:
+                scratch.write_text("half")
+            raise RuntimeError("full")
+
+    with pytest.raises(RuntimeError, match="full"):
+        half()
+    assert os.listdir(tmp_path) == ["a"]
+    assert os.listdir(path) == [] if folder else path.read_text() == "old"
+
+
+def test_a_folder_takes_the_place_of_an_older_one(tmp_path: Path):
+    for name in ("one", "two"):
+        with files.whole(tmp_path / "set") as scratch:
+            scratch.mkdir()
+            (scratch / name).write_text(name)
+    assert os.listdir(tmp_path / "set") == ["two"]
+
+
+def test_the_folder_around_is_made_only_where_it_is_asked_for(tmp_path: Path):
+    with pytest.raises(FileNotFoundError):
+        files.write_whole(tmp_path / "gone" / "a", b"x")
+    assert not (tmp_path / "gone").exists()
+    files.write_whole(tmp_path / "new" / "a", b"x", parents=True)
+    assert (tmp_path / "new" / "a").read_bytes() == b"x"
+
+
+def test_what_a_killed_process_left_goes_with_the_next_write(tmp_path: Path):
+    path = tmp_path / "a"
+    script = (
+        "import os, signal, sys; from pathlib import Path; from studio.files import whole\n"
+        "with whole(Path(sys.argv[1])) as scratch:\n"
+        "    scratch.write_text('half'); os.kill(os.getpid(), signal.SIGKILL)\n"
+    )
+    done = subprocess.run([sys.executable, "-c", script, str(path)])
+    assert done.returncode == -signal.SIGKILL
+    (left,) = os.listdir(tmp_path)
+    assert left != "a"
+    with files.whole(path) as scratch:
+        scratch.write_text("whole")
+        with files.whole(tmp_path / "b") as other:  # of this process, and alive: left alone
+            other.write_text("b")
+            assert scratch.exists()
+    assert sorted(os.listdir(tmp_path)) == ["a", "b"]
+
+
+def test_a_fingerprint_changes_with_each_of_its_parts_and_with_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    for file in ("room/a.py", "room/deep/b.py", "other/c.py", "web/page.py", "d.bin"):
+        (tmp_path / file).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / file).write_text("x")
+    monkeypatch.setattr(files, "STUDIO", tmp_path)
+
+    def now() -> str:
+        return files.fingerprint("room", "other/c", tmp_path / "d.bin")
+
+    seen = [now()]
+    for file in ("room/a.py", "room/deep/b.py", "other/c.py", "d.bin"):
+        (tmp_path / file).write_text("y")
+        seen.append(now())
+    assert len(set(seen)) == 5
+    (tmp_path / "web/page.py").write_text("y")
+    assert now() == seen[-1]
+    (tmp_path / "room/a.py").rename(tmp_path / "room/e.py")  # a name is part of it
+    assert now() != seen[-1]
+    with pytest.raises(FileNotFoundError):
+        files.fingerprint("room/gone")
+
+
+def test_an_edit_of_the_page_draws_no_people_anew_and_one_of_the_mapper_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    copy = tmp_path / "studio"
+    shutil.copytree(files.STUDIO, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    monkeypatch.setattr(files, "STUDIO", copy)
+    before = files.fingerprint(*retargeted.ACTED_BY)
+    for file, same in (
+        ("web/serve.py", True),
+        ("takes/take.py", True),
+        ("retarget/mapper.py", False),
+    ):
+        with (copy / file).open("a") as out:
+            out.write("\n# edited\n")
+        assert (files.fingerprint(*retargeted.ACTED_BY) == before) is same, file
