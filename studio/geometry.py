@@ -128,6 +128,17 @@ def quat_to_matrix(q: ArrayLike) -> Array:
     return out
 
 
+def up_in_body(q: ArrayLike) -> Array:
+    """World z in the body frame (..., 3) of unit quaternions (..., 4): the last row of R."""
+    q = np.asarray(q, dtype=np.float64)
+    w, x, y, z = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
+    out = np.empty(q.shape[:-1] + (3,))
+    out[..., 0] = 2 * (x * z - w * y)
+    out[..., 1] = 2 * (y * z + w * x)
+    out[..., 2] = 1 - 2 * (x * x + y * y)
+    return out
+
+
 def quat_from_matrix(m: ArrayLike) -> Array:
     """Unit quaternions (..., 4), w >= 0, of rotation matrices (..., 3, 3) (Shepperd's method)."""
     m = np.asarray(m, dtype=np.float64)

@@ -2,7 +2,8 @@
 
 A metric compares a robot with its clean reference of the same control step. Leading axis T is
 time at the control rate; poses are base_pos (T, 3), base_quat (T, 4), feet in the base's heading
-frame. Every function takes arrays only, so that tables, tests and the live view agree.
+frame. Every function takes arrays only, so that tables, sidecars, training and the live view agree;
+where a shape says (T, ...), further axes are robots beside each other.
 """
 
 from collections.abc import Callable
@@ -20,6 +21,8 @@ TRACKED_TILT_DEG = 15.0
 """Beyond this orientation error, degrees, a period is not tracked."""
 FALLEN_TILT_DEG = 60.0
 """A tilt this far from the reference's is a fall, degrees."""
+_FALLEN_COS = float(np.cos(np.radians(FALLEN_TILT_DEG)))
+_TRACKED_TILT = float(np.radians(TRACKED_TILT_DEG))
 ANGLE_TOLERANCE = 0.02
 """rad: how far the simulated robot may pass a joint limit (its stops are springs)."""
 RATE_TOLERANCE = 1.01
@@ -34,6 +37,12 @@ def joint_rmse_deg(joint_pos: ArrayLike, reference: ArrayLike) -> float:
     """Root mean square over periods and joints of (T, 12) rad against (T, 12) rad, in degrees."""
     error = _array(joint_pos) - _array(reference)
     return float(np.degrees(np.sqrt(np.mean(error**2))))
+
+
+def feet_apart(feet: ArrayLike, reference: ArrayLike) -> Array:
+    """Mean over the feet (...) m of the distances of (..., 4, 3) and (..., 4, 3), both in a frame
+    that moves and turns with its robot."""
+    return np.mean(np.linalg.norm(_array(feet) - _array(reference), axis=-1), axis=-1)
 
 
 def heading_frame(base_pos: ArrayLike, base_quat: ArrayLike, points_w: ArrayLike) -> Array:
@@ -53,7 +62,7 @@ def foot_error(
     """Mean over the feet (T,) m of the distance between base-relative feet in heading frames."""
     ours = heading_frame(base_pos, base_quat, foot_pos_w)
     theirs = heading_frame(reference_base_pos, reference_base_quat, reference_foot_pos_w)
-    return np.mean(np.linalg.norm(ours - theirs, axis=-1), axis=-1)
+    return feet_apart(ours, theirs)
 
 
 def foot_error_m(
@@ -77,19 +86,13 @@ def foot_error_m(
 
 
 def orientation_error(base_quat: ArrayLike, reference: ArrayLike) -> Array:
-    """Angle (...,) rad between the directions of gravity two bodies feel: tilt without heading.
+    """Angle (...) rad between the verticals that two bodies feel: tilt without heading.
 
     The angle between R^T z and R_ref^T z is defined at every tilt (heading is not, near vertical).
     """
-    down = np.array([0.0, 0.0, -1.0])
-    ours = geometry.quat_rotate_inverse(base_quat, np.broadcast_to(down, _like(base_quat)))
-    theirs = geometry.quat_rotate_inverse(reference, np.broadcast_to(down, _like(reference)))
+    ours, theirs = geometry.up_in_body(base_quat), geometry.up_in_body(reference)
     cross = np.linalg.norm(np.cross(ours, theirs), axis=-1)
     return np.arctan2(cross, np.sum(ours * theirs, axis=-1))
-
-
-def _like(quat: ArrayLike) -> tuple[int, ...]:
-    return (*np.shape(quat)[:-1], 3)
 
 
 def orientation_error_deg(base_quat: ArrayLike, reference: ArrayLike) -> float:
@@ -167,24 +170,32 @@ def mean_speed_m_s(base_pos: ArrayLike, dt: float) -> float:
     return distance_m(base_pos) / (steps * dt) if steps > 0 else 0.0
 
 
-def max_joint_speed_deg_s(joint_pos: ArrayLike, dt: float) -> float:
-    """Largest joint speed, degrees a second, by differences of (T, 12) rad; 0 for one period."""
-    pos = _array(joint_pos)
-    return float(np.degrees(np.max(np.abs(np.diff(pos, axis=0))) / dt)) if len(pos) > 1 else 0.0
+def joint_speed_deg_s(joint_pos: ArrayLike, dt: float) -> Array:
+    """Speed (T - 1,) degrees a second of the fastest joint, by differences of (T, 12) rad."""
+    moved = np.abs(np.diff(_array(joint_pos), axis=0))
+    return np.degrees(moved.max(axis=-1, initial=0.0)) / dt
 
 
-def fallen(trunk_contact: ArrayLike, base_quat: ArrayLike, reference_quat: ArrayLike) -> NDArray:
-    """Trunk on something, or tilt over 60 degrees from the reference's: bools (...)."""
-    tilt = orientation_error(base_quat, reference_quat)
-    return np.asarray(trunk_contact, dtype=bool) | (np.degrees(tilt) > FALLEN_TILT_DEG)
+def fallen(trunk_contact: ArrayLike, base_quat: ArrayLike, reference: ArrayLike) -> NDArray:
+    """Trunk on something, or tilt over 60 degrees from the reference's: bools (...).
+
+    Not over the vertical: a sitting trunk is steep. Compares cosines, since the control loop asks
+    once a period.
+    """
+    up, asked = geometry.up_in_body(base_quat), geometry.up_in_body(reference)
+    return np.asarray(trunk_contact, dtype=bool) | (np.sum(up * asked, axis=-1) < _FALLEN_COS)
 
 
-def success_time_ratio(fallen: ArrayLike, periods: int | None = None) -> float:
-    """Time until the first fall over the episode: fallen (T,) over `periods` (default T)."""
-    flags = np.asarray(fallen, dtype=bool)
-    total = len(flags) if periods is None else periods
-    alive = int(np.argmax(flags)) if flags.any() else len(flags)
-    return alive / total if total else 0.0
+def tracked(foot_error: ArrayLike, orientation_error: ArrayLike) -> NDArray[np.bool_]:
+    """Foot error (...) m under 8 cm and tilt error (...) rad under 15 degrees: bools (...)."""
+    close = _array(foot_error) < TRACKED_FOOT_ERROR
+    return close & (_array(orientation_error) < _TRACKED_TILT)
+
+
+def success_time_ratio(fallen: ArrayLike, periods: int | None = None) -> Array:
+    """Time until the first fall over the episode (...): fallen (T, ...) over `periods`, or T."""
+    alive = _alive(fallen)
+    return np.sum(alive, axis=0) / max(len(alive) if periods is None else periods, 1)
 
 
 def tracked_time_ratio(
@@ -192,14 +203,16 @@ def tracked_time_ratio(
     foot_error: ArrayLike,
     orientation_error: ArrayLike,
     periods: int | None = None,
-) -> float:
-    """Share of the episode alive with foot error (T,) < 8 cm and tilt error (T,) rad < 15 deg."""
-    flags = np.asarray(fallen, dtype=bool)
-    total = len(flags) if periods is None else periods
-    alive = ~np.logical_or.accumulate(flags)
-    close = _array(foot_error) < TRACKED_FOOT_ERROR
-    upright = np.degrees(_array(orientation_error)) < TRACKED_TILT_DEG
-    return float(np.sum(alive & close & upright)) / total if total else 0.0
+) -> Array:
+    """Share (...) of the episode (T or `periods`) that is alive and `tracked`, of (T, ...) each."""
+    alive = _alive(fallen)
+    good = alive & tracked(foot_error, orientation_error)
+    return np.sum(good, axis=0) / max(len(alive) if periods is None else periods, 1)
+
+
+def _alive(fallen: ArrayLike) -> NDArray[np.bool_]:
+    """(T, ...) before the first fall."""
+    return ~np.logical_or.accumulate(np.asarray(fallen, dtype=bool), axis=0)
 
 
 def bootstrap_ci(

@@ -15,7 +15,7 @@ from time import perf_counter
 
 import numpy as np
 
-from studio import geometry
+from studio import geometry, metrics
 from studio.control.command import (
     FOLLOW,
     LIMITS,
@@ -36,7 +36,6 @@ from studio.retarget.retargeter import Retargeted, Retargeter
 from studio.retarget.settings import RetargetSettings
 from studio.retarget.store import Experts
 from studio.robot.a1 import CONTROL_DT
-from studio.robot.fall import fell
 from studio.robot.pose import ReferencePose, RobotState
 from studio.sim.actuation import LowPass, limit_target
 from studio.sim.world import World
@@ -110,7 +109,9 @@ class Puppeteer:
             self.reason, why = why_still(self.person.age, mapped.expert, mapped.votes, self.lock)
         self._index += 1
         self._clipped += clipped
-        self.fallen = self.fallen or (not command.damping and fell(control.reference, self.robot))
+        if not command.damping and not self.fallen:
+            contact, quat = self.robot.trunk_contact, self.robot.base_quat
+            self.fallen = bool(metrics.fallen(contact, quat, control.reference.base_quat))
         return Tick(
             index=self._index - 1,
             t=self.person.t,

@@ -167,3 +167,10 @@ def test_everything_works_on_batches_as_on_singles():
 
 def test_first_velocity_repeats_the_second_and_one_frame_has_none():
     assert geometry.ang_vel_b(geometry.IDENTITY_QUAT[None], 0.1).tolist() == [[0.0, 0.0, 0.0]]
+
+
+def test_up_in_the_body_is_the_last_row_of_the_rotation_matrix():
+    quat = geometry.normalize(np.random.default_rng(5).normal(size=(20, 4)))
+    up = geometry.up_in_body(quat)
+    assert np.allclose(up, geometry.quat_to_matrix(quat)[:, 2], atol=1e-15)
+    assert np.allclose(geometry.quat_rotate(quat, up), [0.0, 0.0, 1.0], atol=1e-12)

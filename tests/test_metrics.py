@@ -108,12 +108,14 @@ def test_distance_is_the_path_over_the_ground_and_speed_its_rate():
     assert metrics.mean_speed_m_s(base[:1], 0.5) == 0.0
 
 
-def test_max_joint_speed_is_in_degrees_a_second():
+def test_joint_speed_is_the_fastest_joints_in_degrees_a_second():
     pos = np.zeros((3, 12))
     pos[1, 5] = np.radians(4.0)
-    # 4 degrees in 1/30 s
-    assert metrics.max_joint_speed_deg_s(pos, 1 / 30) == pytest.approx(120.0)
-    assert metrics.max_joint_speed_deg_s(pos[:1], 1 / 30) == 0.0
+    pos[1, 2] = np.radians(-3.0)
+    pos[2] = pos[1]
+    # 4 degrees in 1/30 s, then nothing
+    assert metrics.joint_speed_deg_s(pos, 1 / 30) == pytest.approx([120.0, 0.0])
+    assert metrics.joint_speed_deg_s(pos[:1], 1 / 30).shape == (0,)
 
 
 def test_a_fall_is_a_trunk_on_the_ground_or_sixty_degrees_from_the_reference():
@@ -141,6 +143,24 @@ def test_tracked_needs_life_feet_and_tilt():
     # alive, foot < 8 cm and tilt < 15 deg: periods 0 and 3; after the fall nothing counts
     assert metrics.tracked_time_ratio(fallen, foot, tilt) == pytest.approx(2 / 6)
     assert metrics.tracked_time_ratio(fallen, foot, tilt, periods=12) == pytest.approx(2 / 12)
+
+
+def test_robots_beside_each_other_have_the_figures_of_each_alone():
+    rng = np.random.default_rng(3)
+    fallen = rng.random((40, 5)) < 0.03
+    foot, tilt = rng.uniform(0.0, 0.12, (40, 5)), rng.uniform(0.0, 0.4, (40, 5))
+    success = metrics.success_time_ratio(fallen)
+    tracked = metrics.tracked_time_ratio(fallen, foot, tilt)
+    quat = geometry.normalize(rng.normal(size=(40, 5, 4)))
+    other = geometry.normalize(rng.normal(size=(40, 5, 4)))
+    lies = metrics.fallen(fallen, quat, other)
+    for k in range(5):
+        assert success[k] == metrics.success_time_ratio(fallen[:, k])
+        assert tracked[k] == metrics.tracked_time_ratio(fallen[:, k], foot[:, k], tilt[:, k])
+        assert all(lies[:, k] == metrics.fallen(fallen[:, k], quat[:, k], other[:, k]))
+    # The fall is told by cosines, the error by an angle: they agree.
+    over = np.degrees(metrics.orientation_error(quat, other)) > metrics.FALLEN_TILT_DEG
+    assert np.array_equal(lies, fallen | over)
 
 
 def test_bootstrap_interval_is_about_two_standard_errors_each_way():

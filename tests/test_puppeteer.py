@@ -14,7 +14,6 @@ from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.retarget.retargeter import Retargeter
 from studio.robot import a1
-from studio.robot.fall import fell
 from studio.synthetic.operator import OperatorSource
 
 
@@ -169,19 +168,11 @@ def test_unknown_names_are_answered_with_the_known_ones():
         Puppeteer(PuppeteerConfig(state="fly"))
 
 
-def test_a_fall_is_trunk_contact_or_sixty_degrees_away_from_the_reference():
+def test_a_robot_that_lies_on_its_trunk_has_fallen_and_stays_fallen():
     puppeteer, poses = make()
-    tick = run(puppeteer, poses, 0.2)[-1]
-    half = np.radians(59.0) / 2
-    near = replace(tick.robot, base_quat=np.array([np.cos(half), 0.0, np.sin(half), 0.0]))
-    half = np.radians(62.0) / 2
-    far = replace(tick.robot, base_quat=np.array([np.cos(half), 0.0, np.sin(half), 0.0]))
-    level = replace(tick.reference, base_quat=np.array([1.0, 0.0, 0.0, 0.0]))
-    turned = replace(level, base_quat=np.array([np.cos(1.0), 0.0, 0.0, np.sin(1.0)]))
-    assert not fell(level, near)
-    assert fell(level, far)
-    assert not fell(turned, tick.robot)  # heading is no tilt
-    assert fell(level, replace(tick.robot, trunk_contact=True))
+    assert not run(puppeteer, poses, 0.2)[-1].fallen
+    puppeteer.world.push(np.array([0.0, 4.0, 0.0]))
+    assert run(puppeteer, poses, 1.5)[-1].fallen
 
 
 def test_a_period_of_retargeting_and_control_is_far_shorter_than_a_thirtieth_of_a_second():

@@ -132,7 +132,7 @@ def _range(x: Array) -> list[float]:
 
 def _joint_speed(ticks: list[Tick], joints: Array) -> dict[str, float]:
     """Fastest joint of the reference in each state, degrees a second."""
-    speed = np.degrees(np.abs(np.diff(joints, axis=0)).max(axis=1, initial=0.0)) / CONTROL_DT
+    speed = metrics.joint_speed_deg_s(joints, CONTROL_DT)
     state = np.array([t.state for t in ticks])[1:]
     # Placing the robot in the first voted state is no motion.
     moved = np.array([b.robot.t > a.robot.t for a, b in pairwise(ticks)], dtype=bool)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from studio import metrics
 from studio.control.observation import Foresee
 from studio.control.policy import Policy
 from studio.rl.bank import MotionBank
@@ -92,37 +93,32 @@ def run_episodes(env: ImitationEnv, act: Act) -> dict[str, Array]:
     alive = np.ones(n, dtype=bool)
     sums: dict[str, Array] = {}
     joints = np.zeros((steps, n, 12), dtype=np.float32)
-    lifetime = np.zeros(n)
-    feet_before = _feet_w(env)
+    fallen = np.zeros((steps, n), dtype=bool)
+    foot_error, tilt_error = np.zeros((steps, n)), np.zeros((steps, n))
+    feet = np.zeros((steps + 1, n, 4, 3))
+    feet[0] = _feet_w(env)
     start_pos, start_yaw = np.array(env.world.base_pos[:, :2]), np.array(env.yaw)
     end_pos = np.array(start_pos)
     for step in range(steps):
         command = act(env)
-        _, _, terminated, _, _ = env.step(command.action, command.target)
-        alive &= ~terminated
-        lifetime += alive
-        feet = _feet_w(env)
-        down = (feet[..., 2] < a1.FOOT_RADIUS + 0.005) & (
-            feet_before[..., 2] < a1.FOOT_RADIUS + 0.005
-        )
-        speed = np.linalg.norm((feet - feet_before)[..., :2], axis=-1) / a1.CONTROL_DT
-        feet_before = feet
-        now = {
-            **env.metrics,
-            "skate_sum": np.sum(speed * down, axis=-1),
-            "skate_count": np.sum(down, axis=-1).astype(float),
-            "saturation": np.mean(np.abs(env.world.torque) > 0.99 * a1.TORQUE_LIMIT, axis=-1),
-        }
+        _, _, fallen[step], _, _ = env.step(command.action, command.target)
+        alive &= ~fallen[step]
+        feet[step + 1] = _feet_w(env)
+        foot_error[step], tilt_error[step] = env.metrics["foot_error"], env.metrics["tilt_error"]
+        saturated = np.abs(env.world.torque) > 0.99 * a1.TORQUE_LIMIT
+        now = {**env.metrics, "saturation": np.mean(saturated, axis=-1)}
         for name, value in now.items():
             sums[name] = sums.get(name, np.zeros(n)) + np.where(alive, value, 0.0)
         joints[step] = env.world.joint_pos
         end_pos = np.where(alive[:, None], env.world.base_pos[:, :2], end_pos)
+    success = metrics.success_time_ratio(fallen)
+    lifetime = np.rint(success * steps).astype(int)
     life = np.maximum(lifetime, 1.0)
     out = {
-        "success_time": lifetime / steps,
-        "tracked_time": sums["tracked"] / steps,
+        "success_time": success,
+        "tracked_time": metrics.tracked_time_ratio(fallen, foot_error, tilt_error),
         "joint_ms": sums["joint_sq"] / life,
-        "skate": sums["skate_sum"] / np.maximum(sums["skate_count"], 1.0),
+        "skate": _skate(feet, lifetime),
     }
     for name in (
         "foot_error",
@@ -133,13 +129,24 @@ def run_episodes(env: ImitationEnv, act: Act) -> dict[str, Array]:
         "saturation",
     ):
         out[name] = sums[name] / life
-    out |= _way(env, start_pos, start_yaw, end_pos, lifetime.astype(int))
-    out |= _smoothness(env, joints, lifetime.astype(int))
+    out |= _way(env, start_pos, start_yaw, end_pos, lifetime)
+    out |= _smoothness(env, joints, lifetime)
     return out
 
 
 def _feet_w(env: ImitationEnv) -> Array:
     return kinematics.foot_pos_w(env.world.base_pos, env.world.base_quat, env.world.joint_pos)
+
+
+def _skate(feet: Array, life: NDArray[np.intp]) -> Array:
+    """(N,) m/s of the feet (steps + 1, N, 4, 3) that lie on the floor, while a robot is up."""
+    down = feet[..., 2] < a1.FOOT_RADIUS + 0.005
+    return np.array(
+        [
+            metrics.foot_skate_m_s(feet[: k + 1, i], down[: k + 1, i], a1.CONTROL_DT)
+            for i, k in enumerate(life)
+        ]
+    )
 
 
 def _way(

@@ -6,7 +6,7 @@ Nothing here draws a random number, nor knows of noise, episodes or curricula: t
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import geometry
+from studio import geometry, metrics
 from studio.control.observation import heading_of, level_quat
 from studio.rl import reward, termination
 from studio.rl.bank import MotionBank, heading_feet
@@ -19,8 +19,6 @@ Array = NDArray[np.float64]
 Robots = NDArray[np.intp] | slice
 """Which of the N."""
 EVERYONE = slice(None)
-TRACKED_FOOT_M = 0.08
-TRACKED_TILT = np.deg2rad(15.0)
 PRIVILEGED_DIM = 65
 SELF_CHECK_EVERY = 15
 """Control periods between two looks at one robot for self-penetration: half a second."""
@@ -126,8 +124,8 @@ class TrackingRobots:
             "acc": reward.acc(w.joint_vel, self.last_vel, a1.CONTROL_DT, k.acc),
         }
         self.last_vel = np.array(w.joint_vel)
-        tilt = termination.tilt_error(quat, ref_quat)
-        foot_error = np.linalg.norm(feet - bank.feet[m, f], axis=-1).mean(axis=-1)
+        tilt = metrics.orientation_error(quat, ref_quat)
+        foot_error = metrics.feet_apart(feet, bank.feet[m, f])
         v, ref = w.base_lin_vel_w, bank.feature[m, f]
         cy, sy = np.cos(yaw), np.sin(yaw)
         dv = np.stack([cy * v[:, 0] + sy * v[:, 1], -sy * v[:, 0] + cy * v[:, 1]], -1)
@@ -139,7 +137,7 @@ class TrackingRobots:
             "height_error": np.abs(w.base_pos[:, 2] - bank.base_pos[m, f][:, 2]),
             "velocity_error": np.linalg.norm(dv - ref[:, 16:18], axis=-1),
             "yaw_rate_error": np.abs(rate - ref[:, 15]),
-            "tracked": ((foot_error < TRACKED_FOOT_M) & (tilt < TRACKED_TILT)).astype(float),
+            "tracked": metrics.tracked(foot_error, tilt).astype(float),
         }
         leak = a1.CONTROL_DT / self.config.anchor_tau
         self.anchor_pos = self.anchor_pos + leak * (w.base_pos[:, :2] - self.anchor_pos)

@@ -22,7 +22,6 @@ from typing import Any, Literal
 import numpy as np
 from safetensors.numpy import load_file, save_file
 
-from studio import geometry, metrics
 from studio.errors import StudioError
 from studio.files import whole
 from studio.reference.intent import STATES, StateName
@@ -33,7 +32,7 @@ from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, ruled, stem, style_dir
 from studio.takes.names import check_name
 from studio.training.machine import commit
-from studio.training.mapper_fit import MapperTraining, fit_expert
+from studio.training.mapper_fit import MapperTraining, fit_expert, score
 from studio.training.mapper_net import MapperNet
 from studio.training.operator_pairs import PairSet, mirrored
 from studio.training.take_pairs import TakePairs, read_pairs
@@ -193,7 +192,10 @@ def train_state(
     if len(rows) > SCORED:
         rows = np.linspace(0, len(rows) - 1, SCORED).round().astype(int)
     held = split.held.take(rows)
-    scores = {name: score(method, held) for name, method in methods.items()}
+    scores = {
+        name: {figure: round(value, 4) for figure, value in score(method, held).items()}
+        for name, method in methods.items()
+    }
     facts = {
         "pairs": len(split.known),
         "held_out_pairs": len(split.held),
@@ -234,17 +236,6 @@ def split_pairs(parts: Mapping[str, PairSet]) -> Split:
         how="the last fifth of each take",
         takes=tuple(names),
     )
-
-
-def score(method: FrameMapper, pairs: PairSet) -> dict[str, float]:
-    """A method on pairs, frame by frame: joint RMSE and trunk error in degrees, contact F1."""
-    said = method(pairs.triplet)
-    angle = geometry.quat_angle(said.base_quat, geometry.normalize(pairs.base_quat))
-    return {
-        "joint_rmse_deg": round(float(metrics.joint_rmse_deg(said.joint_pos, pairs.joint_pos)), 3),
-        "orientation_error_deg": round(float(np.degrees(angle).mean()), 3),
-        "contact_f1": round(float(metrics.contact_f1(said.contact_prob, pairs.contact)), 4),
-    }
 
 
 def write_mapper(

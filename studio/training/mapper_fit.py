@@ -14,11 +14,12 @@ from typing import Any, Literal
 import numpy as np
 import torch
 
-from studio import geometry
+from studio import geometry, metrics
 from studio.errors import StudioError
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
-from studio.retarget.mapper import RATES, Mapper
+from studio.retarget.baselines.base import FrameMapper
+from studio.retarget.mapper import RATES
 from studio.training import checkpoint
 from studio.training.losses import OURS, LossWeights, Motion, mapper_loss
 from studio.training.mapper_net import MapperNet
@@ -122,20 +123,15 @@ def fit_expert(
     return net
 
 
-def score(mapper: Mapper, pairs: PairSet) -> dict[str, float]:
+def score(mapper: FrameMapper, pairs: PairSet) -> dict[str, float]:
     """What the bare networks are worth on pairs: before any consistency, so memoryless."""
     out = mapper(pairs.triplet)
-    error = out.joint_pos - pairs.joint_pos
-    said, is_so = out.contact_prob > 0.5, pairs.contact > 0.5
-    hits = float(np.sum(said & is_so))
     return {
-        "joint_rmse_deg": float(np.degrees(np.sqrt(np.mean(error**2)))),
-        "orientation_error_deg": float(
-            np.degrees(
-                geometry.quat_angle(out.base_quat, geometry.normalize(pairs.base_quat)).mean()
-            )
+        "joint_rmse_deg": metrics.joint_rmse_deg(out.joint_pos, pairs.joint_pos),
+        "orientation_error_deg": metrics.orientation_error_deg(
+            out.base_quat, geometry.normalize(pairs.base_quat)
         ),
-        "contact_f1": 2.0 * hits / max(float(said.sum() + is_so.sum()), 1.0),
+        "contact_f1": metrics.contact_f1(out.contact_prob, pairs.contact),
     }
 
 

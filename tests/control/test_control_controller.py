@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from studio import geometry
+from studio import geometry, metrics
 from studio.control.controller import Controller, Directive
 from studio.control.footing import facing, feet_w, fit_plane, placed, solve, with_velocity
 from studio.control.transition import MAX_SECONDS, MIN_SECONDS, plan, settle
@@ -21,7 +21,6 @@ from studio.reference.library import TASKS
 from studio.reference.realize import realize
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1
-from studio.robot.fall import fell
 from studio.robot.pose import RobotPose
 from studio.sim.actuation import LowPass, limit_target
 from studio.sim.world import World
@@ -271,7 +270,8 @@ def simulate(script, seed=0):
                 world.push(np.append(rng.normal(0.0, 0.1, 2), 0.0))
             target = limit_target(low_pass.step(control.reference.joint_pos), target)
             robot = world.step(target)
-            if fell(control.reference, robot):
+            quat, asked = robot.base_quat, control.reference.base_quat
+            if metrics.fallen(robot.trunk_contact, quat, asked):
                 return True, worst, states
             states.append(control.state)
     return False, worst, states

@@ -168,14 +168,6 @@ def test_a_fall_is_measured_against_the_reference() -> None:
     assert termination.fallen(*pose, LEVEL[None])  # 70 degrees off a standing reference
 
 
-def test_tilt_error_ignores_heading() -> None:
-    a = geometry.quat_from_rpy([[0.3, 0.1, 0.0]])
-    b = geometry.quat_mul(geometry.quat_from_rpy([0.0, 0.0, 2.0]), a)
-    assert termination.tilt_error(a, b) == pytest.approx([0.0], abs=1e-9)
-    level = termination.tilt_error(geometry.quat_from_rpy([[0.0, 0.5, 0.0]]), LEVEL[None])
-    assert level == pytest.approx([0.5])
-
-
 @pytest.mark.parametrize("state", ["stand", "sit"])
 def test_levelled_heading_and_tilt_agree_with_spatial(state: StateName) -> None:
     level = np.array(level_quat(state))
@@ -215,5 +207,7 @@ def test_a_symmetric_network_acts_in_the_mirror_as_its_mirror_image() -> None:
     mirrored = (seen[:, index] * sign).astype(np.float32)
     act = Symmetric(network, config)
     acted, alone = act(seen).astype(np.float64), network(seen).astype(np.float64)
-    np.testing.assert_allclose(act(mirrored), symmetry.mirror_joints(acted), atol=1e-5)
+    # Sums of 16 products in another order: some roundings of the largest output.
+    atol = 32 * np.finfo(np.float32).eps * np.abs(alone).max()
+    np.testing.assert_allclose(act(mirrored), symmetry.mirror_joints(acted), atol=atol, rtol=0.0)
     assert np.abs(network(mirrored) - symmetry.mirror_joints(alone)).max() > 0.1

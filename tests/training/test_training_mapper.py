@@ -15,7 +15,7 @@ from studio.reference.realize import realize
 from studio.reference.stances import tilt_of
 from studio.retarget.baselines.base import Targets
 from studio.retarget.baselines.ridge import Ridge
-from studio.retarget.mapper import RATES, Mapper
+from studio.retarget.mapper import RATES, Mapped, Mapper
 from studio.retarget.retargeter import Retargeter
 from studio.retarget.states import EXPERTS
 from studio.synthetic import Person, perform, play
@@ -90,6 +90,21 @@ def test_labels_of_a_steady_walk_have_its_speed_and_no_heading():
     np.testing.assert_allclose(velocity, np.tile([0.3, 0.0, 0.0], (n - 6, 1)), atol=1e-9)
     np.testing.assert_allclose(out["base_quat"], np.tile([1.0, 0, 0, 0], (n, 1)), atol=1e-9)
     np.testing.assert_allclose(out["rates"][6:, RATES["base_lin_acc"]], 0.0, atol=1e-9)
+
+
+def test_a_mapper_is_scored_by_the_studios_own_figures():
+    pairs = make_pairs("sit", 6.0, 3)
+    right = Mapped(
+        joint_pos=pairs.joint_pos, base_quat=pairs.base_quat, rates=pairs.rates,
+        contact_prob=pairs.contact,
+    )  # fmt: skip
+    turned = geometry.quat_mul(geometry.quat_from_rpy([0.0, 0.0, 0.3]), pairs.base_quat)
+    none = replace(pairs, contact=np.zeros_like(pairs.contact))
+    said = replace(right, base_quat=turned, contact_prob=none.contact)
+    figures = score(lambda _: said, none)
+    assert figures["joint_rmse_deg"] == 0.0
+    assert figures["orientation_error_deg"] == pytest.approx(0.0, abs=1e-4)  # heading is no tilt
+    assert figures["contact_f1"] == 1.0  # nothing was in contact, nothing was said to be
 
 
 @pytest.mark.slow
