@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
-from studio.reference import scalars
-from studio.reference.intent import STATES, StateName
-from studio.reference.stances import NEUTRAL
+from studio.reference import scalars, stances
+from studio.reference.intent import StateName
+from studio.reference.stances import NEUTRAL, NEUTRAL_FEET, fit_plane
 from studio.robot import a1, kinematics
 from studio.robot.pose import ReferencePose, RobotPose
 
@@ -19,10 +19,6 @@ Array = NDArray[np.float64]
 def feet_w(pose: RobotPose) -> Array:
     """(4, 3) m, foot centres of a pose in its own world."""
     return kinematics.foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos)
-
-
-NEUTRAL_FEET: dict[StateName, Array] = {state: feet_w(NEUTRAL[state]) for state in STATES}
-"""(4, 3) m each: the feet of the neutral poses at the origin."""
 
 
 def solve(base_pos: Array, base_quat: Array, feet: Array) -> RobotPose:
@@ -39,15 +35,6 @@ def solve(base_pos: Array, base_quat: Array, feet: Array) -> RobotPose:
 def turn_z(yaw: float) -> Array:
     """(4,) the rotation by yaw rad about the world's z axis."""
     return np.array(scalars.yaw(yaw))
-
-
-def fit_plane(a: Array, b: Array) -> tuple[Array, float]:
-    """The translation (2,) and turn that carry points a (N, 2) onto b best: b = R a + p."""
-    ca, cb = a.mean(axis=0), b.mean(axis=0)
-    da, db = a - ca, b - cb
-    yaw = math.atan2(np.sum(da[:, 0] * db[:, 1] - da[:, 1] * db[:, 0]), np.sum(da * db))
-    c, s = math.cos(yaw), math.sin(yaw)
-    return cb - np.array([c * ca[0] - s * ca[1], s * ca[0] + c * ca[1]]), yaw
 
 
 def placed(pose: RobotPose, position: Array, yaw: float) -> RobotPose:
@@ -69,18 +56,7 @@ def over_feet(feet: Array, state: StateName) -> RobotPose:
 
 def facing(pose: RobotPose, state: StateName) -> float:
     """The way (rad) the feet of a pose face, whatever the trunk on them does."""
-    feet = feet_w(pose)
-    if state == "sit":
-        return rear_yaw(feet)
-    legs = np.flatnonzero(pose.foot_contact > 0.5)
-    legs = legs if len(legs) > 2 else np.arange(4)
-    return fit_plane(NEUTRAL_FEET[state][legs, :2], feet[legs, :2])[1]
-
-
-def rear_yaw(feet: Array) -> float:
-    """Heading by the line of the rear feet of (4, 3): a sitting trunk is too steep to tell."""
-    across = feet[3] - feet[2]
-    return math.atan2(-across[0], across[1])
+    return stances.facing(state, feet_w(pose), pose.foot_contact)
 
 
 def still(pose: RobotPose) -> RobotPose:

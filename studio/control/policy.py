@@ -13,7 +13,7 @@ from safetensors.numpy import load_file, save_file
 from studio.control import frames
 from studio.control.action import ActionConfig, clip_action, pd_target
 from studio.control.observation import History, ObservationConfig
-from studio.control.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
+from studio.control.symmetry import observation_mirror
 from studio.errors import StudioError
 from studio.files import whole, write_whole
 from studio.paths import carried
@@ -21,6 +21,7 @@ from studio.reference import scalars
 from studio.reference.intent import STATES
 from studio.rl.foresight import Foresight
 from studio.robot import a1
+from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 from studio.robot.pose import ReferencePose, RobotState
 
 Array = NDArray[np.float64]
@@ -54,14 +55,14 @@ class Symmetric:
         self.network = network
         index, sign = observation_mirror(observation)
         self._index, self._sign = index, sign.astype(np.float32)
-        self._joint_sign = JOINT_SIGN.astype(np.float32)
+        self._joint_sign = MIRROR_SIGN.astype(np.float32)
 
     def __call__(self, observation: NDArray[np.float32]) -> NDArray[np.float32]:
         """As the network: (N, dim) float32 to (N, 12)."""
         both = np.concatenate([observation, observation[:, self._index] * self._sign])
         action = self.network(both)
         half = len(observation)
-        both_sides = action[:half] + action[half:][:, JOINT_INDEX] * self._joint_sign
+        both_sides = action[:half] + action[half:][:, MIRROR_JOINT] * self._joint_sign
         return np.multiply(both_sides, 0.5, dtype=np.float32)
 
 

@@ -4,20 +4,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.control.observation import FRAMES, PAST_ACTIONS, ObservationConfig
+from studio.robot.a1 import MIRROR_JOINT, MIRROR_LEG, MIRROR_SIGN
 
 Array = NDArray[np.float64]
-
-LEG_SWAP = np.array([1, 0, 3, 2])
-"""FR<->FL, RR<->RL."""
-JOINT_INDEX = np.concatenate([3 * leg + np.arange(3) for leg in LEG_SWAP])
-JOINT_SIGN = np.tile([-1.0, 1.0, 1.0], 4)
-"""Hip roll turns over, thigh and calf pitch do not."""
 
 
 def _block(extra_signs: list[float]) -> tuple[NDArray[np.intp], Array]:
     """Index and sign of 12 joints followed by scalars that keep their place."""
-    index = np.concatenate([JOINT_INDEX, 12 + np.arange(len(extra_signs))])
-    return index, np.concatenate([JOINT_SIGN, extra_signs])
+    index = np.concatenate([MIRROR_JOINT, 12 + np.arange(len(extra_signs))])
+    return index, np.concatenate([MIRROR_SIGN, extra_signs])
 
 
 def _repeat(index: NDArray[np.intp], sign: Array, times: int) -> tuple[NDArray[np.intp], Array]:
@@ -46,9 +41,9 @@ def privileged_mirror() -> tuple[NDArray[np.intp], Array]:
         (np.arange(1), np.ones(1)),  # height
         (np.arange(2), np.array([1.0, -1.0])),  # gap to the anchor
         (np.arange(1), -np.ones(1)),  # heading to the anchor
-        *[(JOINT_INDEX, JOINT_SIGN)] * 3,  # joint error, reference ahead, joint velocity
+        *[(MIRROR_JOINT, MIRROR_SIGN)] * 3,  # joint error, reference ahead, joint velocity
         *[(np.arange(6), np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0]))] * 2,  # rest of p̄ now, soon
-        (LEG_SWAP, np.ones(4)),  # contacts soon
+        (MIRROR_LEG, np.ones(4)),  # contacts soon
         (np.arange(4), np.ones(4)),  # friction, kp, kd, delay
         (np.arange(2), np.array([-1.0, 1.0])),  # slope: a rotation vector, so x turns over
     ]
@@ -61,4 +56,4 @@ def privileged_mirror() -> tuple[NDArray[np.intp], Array]:
 
 def mirror_joints(x: Array) -> Array:
     """(…, 12) joint angles, velocities or actions in the mirror."""
-    return JOINT_SIGN * x[..., JOINT_INDEX]
+    return MIRROR_SIGN * x[..., MIRROR_JOINT]

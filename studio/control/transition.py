@@ -13,16 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
-from studio.control.footing import (
-    NEUTRAL_FEET,
-    feet_w,
-    fit_plane,
-    over_feet,
-    placed,
-    rear_yaw,
-    solve,
-    turn_z,
-)
+from studio.control.footing import feet_w, over_feet, placed, solve, turn_z
 from studio.control.ways import (
     Haunches,
     LegMode,
@@ -34,7 +25,7 @@ from studio.control.ways import (
 )
 from studio.reference import scalars
 from studio.reference.intent import StateName
-from studio.reference.stances import NEUTRAL
+from studio.reference.stances import NEUTRAL, NEUTRAL_FEET, fit_plane, rear_yaw
 from studio.robot import a1, kinematics
 from studio.robot.pose import RobotPose
 

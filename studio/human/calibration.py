@@ -14,12 +14,11 @@ from numpy.typing import NDArray
 
 from studio.human.pose import HumanPose
 from studio.human.posture import SEEN, body_heading, bone_lengths, is_upright, wrapped
-from studio.human.skeleton import BONE_LENGTH, BONES, LEG_LENGTH, MIRROR
+from studio.human.skeleton import BONE_LENGTH, BONES, LEG_LENGTH, MIRROR_BONES
 
 Array = NDArray[np.float64]
 
 _LEG_BONES = np.array([BONES.index(b) for b in ("l_knee", "l_ankle", "r_knee", "r_ankle")])
-_MIRROR_BONES = np.array(MIRROR[1:]) - 1
 
 # Time constants (s) of the heading: a new person is taken up with START_TAU, then as a running
 # mean over all that was seen until that is as slow as DRIFT_TAU. Feet and hips turned by TURNED
@@ -60,7 +59,7 @@ class Calibration:
 
     def mirrored(self) -> "Calibration":
         """The calibration of the mirror image (`canonical.mirror_pose`) of the same person."""
-        return replace(self, heading=-self.heading, bone_length=self.bone_length[_MIRROR_BONES])
+        return replace(self, heading=-self.heading, bone_length=self.bone_length[MIRROR_BONES])
 
 
 def calibrate(poses: Iterable[HumanPose]) -> Calibration:

@@ -20,6 +20,7 @@ from studio.human.skeleton import (
     CHAIN,
     INDEX,
     MIRROR,
+    MIRROR_BONES,
     NEUTRAL_DIRECTION,
     NUM_BONES,
     NUM_JOINTS,
@@ -28,7 +29,6 @@ from studio.human.skeleton import (
 Array = NDArray[np.float64]
 
 MIRROR_JOINTS = np.array(MIRROR)
-MIRROR_BONES = MIRROR_JOINTS[1:] - 1
 FLIP_Y: Array = np.array([1.0, -1.0, 1.0])
 ANKLES = np.array([INDEX["l_ankle"], INDEX["r_ankle"]])
 

@@ -15,7 +15,6 @@ from studio.human.calibration import Calibration, Calibrator
 from studio.human.canonical import (
     ANKLES,
     FLIP_Y,
-    MIRROR_BONES,
     bone_directions,
     heading_axes,
     rebuild,
@@ -26,6 +25,7 @@ from studio.human.skeleton import (
     ANKLE_HEIGHT,
     BONES,
     LEG_LENGTH,
+    MIRROR_BONES,
     NEUTRAL_DIRECTION,
     NUM_BONES,
     NUM_JOINTS,
@@ -174,23 +174,13 @@ def clip_features(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Normalizer:
-    """z-scores: mean and std (D,); a constant column counts with std 1 so that it stays 0."""
+_MIRROR_ORDER = np.append(
+    np.arange(3 * NUM_BONES).reshape(NUM_BONES, 3)[MIRROR_BONES].ravel(), 3 * NUM_BONES
+)
+_MIRROR_FLIP = np.append(np.tile(FLIP_Y, NUM_BONES), 1.0)
 
-    mean: Array
-    std: Array
 
-    @classmethod
-    def fit(cls, x: Array) -> "Normalizer":
-        """Of samples (N, D)."""
-        std = x.std(axis=0)
-        return cls(mean=x.mean(axis=0), std=np.where(std > 1e-6, std, 1.0))
-
-    def __call__(self, x: Array) -> Array:
-        """(..., D) to z-scores."""
-        return (x - self.mean) / self.std
-
-    def invert(self, z: Array) -> Array:
-        """(..., D) back."""
-        return z * self.std + self.mean
+def mirror_features(x: NDArray) -> NDArray:
+    """Features, rates or triplets (..., k F) as the features of the mirrored person are."""
+    q = x.reshape(*x.shape[:-1], -1, FEATURE_DIM)
+    return (q[..., _MIRROR_ORDER] * _MIRROR_FLIP).astype(x.dtype).reshape(x.shape)

@@ -35,6 +35,8 @@ MIRROR: tuple[int, ...] = tuple(
 BONES: tuple[str, ...] = JOINTS[1:]
 """The 18 bones, each named by its child joint: bone k ends in joint k + 1."""
 NUM_BONES = len(BONES)
+MIRROR_BONES = np.array(MIRROR[1:]) - 1
+"""(18,) each bone's counterpart on the other side."""
 BONE_CHILD = np.arange(1, NUM_JOINTS)
 BONE_PARENT = np.array(PARENTS[1:])
 

@@ -6,6 +6,8 @@ trunk near vertical, it stays regular where Euler angles and headings of the tru
 (rolling 7 degrees to the side turns the sitting trunk's own heading by 20).
 """
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -61,6 +63,34 @@ NEUTRAL_FEET: dict[StateName, Array] = {
     for state, p in NEUTRAL.items()
 }
 """(4, 3) m, world: centre of each foot in the neutral pose."""
+
+
+def facing(state: StateName, feet: Array, contact: Array) -> float:
+    """The way (rad) that feet (4, 3) m in the world face, whatever the trunk on them does.
+
+    Standing, the turn that carries the neutral feet onto those in contact (4,) best; sitting, by
+    the line of the rear feet.
+    """
+    if state == "sit":
+        return rear_yaw(feet)
+    legs = np.flatnonzero(contact > 0.5)
+    legs = legs if len(legs) > 2 else np.arange(4)
+    return fit_plane(NEUTRAL_FEET[state][legs, :2], feet[legs, :2])[1]
+
+
+def rear_yaw(feet: Array) -> float:
+    """Heading rad by the line of the rear feet of (4, 3): a sitting trunk is too steep to tell."""
+    across = feet[3] - feet[2]
+    return math.atan2(-across[0], across[1])
+
+
+def fit_plane(a: Array, b: Array) -> tuple[Array, float]:
+    """The translation (2,) and turn rad that carry points a (N, 2) onto b best: b = R a + p."""
+    ca, cb = a.mean(axis=0), b.mean(axis=0)
+    da, db = a - ca, b - cb
+    yaw = math.atan2(np.sum(da[:, 0] * db[:, 1] - da[:, 1] * db[:, 0]), np.sum(da * db))
+    c, s = math.cos(yaw), math.sin(yaw)
+    return cb - np.array([c * ca[0] - s * ca[1], s * ca[0] + c * ca[1]]), yaw
 
 
 def tilted(state: StateName, tilt: ArrayLike) -> Array:

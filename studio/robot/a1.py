@@ -11,6 +11,11 @@ LEGS: tuple[str, ...] = ("FR", "FL", "RR", "RL")
 LEG_JOINTS: tuple[str, ...] = ("hip", "thigh", "calf")
 JOINTS: tuple[str, ...] = tuple(f"{leg}_{joint}" for leg in LEGS for joint in LEG_JOINTS)
 NUM_JOINTS = 12
+MIRROR_LEG = np.array([1, 0, 3, 2])
+"""(4,) each leg's counterpart in the mirror: FR<->FL, RR<->RL."""
+MIRROR_JOINT = (3 * MIRROR_LEG[:, None] + np.arange(3)).ravel()
+MIRROR_SIGN = np.tile([-1.0, 1.0, 1.0], 4)
+"""(12,) each joint's counterpart, and its sign: hip roll turns over, thigh and calf do not."""
 
 CONTROL_HZ = 30.0
 CONTROL_DT = 1.0 / CONTROL_HZ

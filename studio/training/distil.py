@@ -15,9 +15,10 @@ import numpy as np
 import torch
 from rsl_rl.algorithms import PPO
 
-from studio.control.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
+from studio.control.symmetry import observation_mirror
 from studio.rl.env import ImitationEnv
 from studio.rl.teacher import TeacherConfig, teacher_action
+from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 from studio.training.parallel import ALONE, Crew
 from studio.training.ppo import mirror_tensors
 
@@ -62,7 +63,7 @@ class Distiller:
         self.lessons: deque[tuple[torch.Tensor, torch.Tensor]] = deque(maxlen=config.keep)
         self.device = str(alg.device)
         self.mirror = mirror_tensors(observation_mirror(env.config.observation), self.device)
-        self.joints = mirror_tensors((JOINT_INDEX, JOINT_SIGN), self.device)
+        self.joints = mirror_tensors((MIRROR_JOINT, MIRROR_SIGN), self.device)
         self.weight = torch.tensor([config.hip_weight, 1.0, 1.0], device=self.device).repeat(4)
         self.rng = np.random.default_rng(crew.rank)
 

@@ -21,9 +21,10 @@ from scipy.signal import butter
 from studio.control.action import ACTION_CLIP
 from studio.control.observation import HEADING_CLIP, MAKES_UP_FROM, PLACE_CLIP
 from studio.control.policy import Policy, Symmetric
-from studio.control.symmetry import JOINT_INDEX, JOINT_SIGN, observation_mirror
+from studio.control.symmetry import observation_mirror
 from studio.errors import StudioError
 from studio.robot import a1
+from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 
 
 def export_onnx(name: str | Path, out: Path) -> Path:
@@ -48,7 +49,7 @@ def export_onnx(name: str | Path, out: Path) -> Path:
     if isinstance(policy.network, Symmetric):
         index, sign = observation_mirror(policy.observation)
         other = graph.network(graph.mirrored("observation", index, sign), len(layers.weights))
-        both = graph.op("Add", x, graph.mirrored(other, JOINT_INDEX, JOINT_SIGN))
+        both = graph.op("Add", x, graph.mirrored(other, MIRROR_JOINT, MIRROR_SIGN))
         graph.constant("half", np.float32(0.5))
         x = graph.op("Mul", both, "half")
     bounds = {"lo": -ACTION_CLIP, "hi": ACTION_CLIP, "action_scale": config.scale}

@@ -4,7 +4,7 @@ An intent track is acted out by a random person and realised on the robot; the t
 the person's known delay, and the person is seen through the same causal features as live.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 
 from studio import geometry
 from studio.human.calibration import Calibration, calibrate
-from studio.human.features import FEATURE_DIM, clip_features
+from studio.human.features import clip_features, mirror_features
 from studio.human.pose import HumanClip
-from studio.human.skeleton import MIRROR, NUM_BONES
 from studio.reference.contact import smoothstep
 from studio.reference.intent import IntentTrack, StateName
+from studio.reference.labels import label_motion, mirror_labels
 from studio.reference.library import TASKS
 from studio.reference.motion import ReferenceMotion
 from studio.reference.realize import realize
-from studio.retarget.mapper import NUM_RATES, RATES
+from studio.retarget.mapper import RATES
 from studio.retarget.states import EXPERTS
 from studio.synthetic import Person, exercise, play
 from studio.synthetic import signals as sig
@@ -28,9 +28,8 @@ from studio.synthetic import signals as sig
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
 
-DELTA = 3
-"""Frames between the samples of a difference: 0.1 s, as for the person."""
-TRIPLET_DIM = 3 * FEATURE_DIM
+POSE = ("joint_pos", "base_quat", "base_pos", "contact")
+"""The labels that are no rates, fields of a PairSet."""
 EXERCISE_SHARE = 0.4
 """Share of standing performances at people's own brisk pace: library tasks are the robot's."""
 
@@ -57,6 +56,16 @@ class PairSet:
     def take(self, rows: NDArray) -> "PairSet":
         """Some rows, by index or mask."""
         return PairSet(**{name: getattr(self, name)[rows] for name in self.__dataclass_fields__})
+
+    @classmethod
+    def of(cls, triplet: NDArray, labels: Mapping[str, NDArray], clip: NDArray) -> "PairSet":
+        """Of triplets (N, 3F) and what `label_motion` says of the same frames."""
+        rates = np.concatenate([labels[name] for name in RATES], axis=1)
+        pose = {name: labels[name].astype(np.float32) for name in POSE}
+        return cls(
+            triplet=triplet.astype(np.float32), rates=rates.astype(np.float32),
+            clip=clip.astype(np.int64), **pose,
+        )  # fmt: skip
 
     @staticmethod
     def join(parts: "list[PairSet]") -> "PairSet":
@@ -152,7 +161,7 @@ def pair_up(
     triplet = np.concatenate(
         clip_features(seen, known if rng.random() < 0.7 else Calibration()), axis=-1
     )
-    robot = label_motion(
+    labels = label_motion(
         track.state,
         _sample(motion.base_pos[:n], at),
         geometry.normalize(_sample(motion.base_quat[:n], at)),
@@ -161,82 +170,15 @@ def pair_up(
     )
     # A person who was not scanned takes a second to be known; the filter half of one to settle.
     keep = slice(15, None)
-    return PairSet(
-        triplet=triplet[keep].astype(np.float32),
-        contact=_sample(motion.foot_contact[:n], at)[keep].astype(np.float32),
-        clip=np.zeros(len(at[keep]), dtype=np.int64),
-        **{name: x[keep].astype(np.float32) for name, x in robot.items()},
-    )
-
-
-def label_motion(
-    state: StateName, base_pos: Array, base_quat: Array, joint_pos: Array, dt: float
-) -> dict[str, Array]:
-    """joint_pos, base_quat (state's frame), rates and base_pos of a robot motion of T frames.
-
-    Backward differences over 0.1 s. Walking, the state's frame turns with the heading.
-    """
-    yaw = geometry.heading(base_quat) if EXPERTS[state].turns else np.zeros(len(base_quat))
-    frame = np.zeros_like(base_quat)
-    frame[:, 0], frame[:, 3] = np.cos(0.5 * yaw), np.sin(0.5 * yaw)
-    back = np.maximum(np.arange(len(joint_pos)) - DELTA, 0)
-    span = DELTA * dt
-    rates = np.zeros((len(joint_pos), NUM_RATES))
-
-    def rate(x: Array) -> Array:
-        return (x - x[back]) / span
-
-    lin_vel_w = rate(base_pos)
-    turn = geometry.quat_mul(geometry.quat_conj(base_quat[back]), base_quat)
-    ang_vel = geometry.quat_to_rotvec(turn) / span
-    for name, value in (
-        ("joint_vel", rate(joint_pos)),
-        ("joint_acc", rate(rate(joint_pos))),
-        ("base_lin_vel", geometry.quat_rotate_inverse(frame, lin_vel_w)),
-        ("base_lin_acc", geometry.quat_rotate_inverse(frame, rate(lin_vel_w))),
-        ("base_ang_vel", ang_vel),
-        ("base_ang_acc", rate(ang_vel)),
-    ):
-        rates[:, RATES[name]] = value
-    quat = geometry.quat_mul(geometry.quat_conj(frame), base_quat)
-    return {"joint_pos": joint_pos, "base_quat": quat, "rates": rates, "base_pos": base_pos}
-
-
-_MIRROR_BONES = np.array(MIRROR[1:]) - 1
-_FEATURE_ORDER = np.concatenate(
-    [np.arange(3 * NUM_BONES).reshape(NUM_BONES, 3)[_MIRROR_BONES].ravel(), [3 * NUM_BONES]]
-)
-_FEATURE_SIGN = np.append(np.tile([1.0, -1.0, 1.0], NUM_BONES), 1.0)
-_LEGS = np.array([1, 0, 3, 2])
-_JOINT_ORDER = (_LEGS[:, None] * 3 + np.arange(3)).ravel()
-_JOINT_SIGN = np.tile([-1.0, 1.0, 1.0], 4)
-_VECTOR, _AXIAL = np.array([1.0, -1.0, 1.0]), np.array([-1.0, 1.0, -1.0])
-
-
-def mirror_triplet(triplet: Array32) -> Array32:
-    """Triplets (N, 3F) of the mirror image: exactly what the features of a mirrored person are."""
-    q = triplet.reshape(len(triplet), 3, FEATURE_DIM)
-    return (q[..., _FEATURE_ORDER] * _FEATURE_SIGN.astype(np.float32)).reshape(triplet.shape)
+    labels = {name: x[keep] for name, x in labels.items()}
+    return PairSet.of(triplet[keep], labels, np.zeros(len(at[keep]), dtype=np.int64))
 
 
 def mirrored(pairs: PairSet) -> PairSet:
     """Both mirrored in their x-z planes: left arm and left paw become right."""
-    rates = pairs.rates.copy()
-    for name in ("joint_vel", "joint_acc"):
-        rates[:, RATES[name]] = rates[:, RATES[name]][:, _JOINT_ORDER] * _JOINT_SIGN
-    for name in ("base_lin_vel", "base_lin_acc"):
-        rates[:, RATES[name]] *= _VECTOR.astype(np.float32)
-    for name in ("base_ang_vel", "base_ang_acc"):
-        rates[:, RATES[name]] *= _AXIAL.astype(np.float32)
-    return PairSet(
-        triplet=mirror_triplet(pairs.triplet),
-        joint_pos=(pairs.joint_pos[:, _JOINT_ORDER] * _JOINT_SIGN).astype(np.float32),
-        base_quat=(pairs.base_quat * [1.0, -1.0, 1.0, -1.0]).astype(np.float32),
-        rates=rates,
-        contact=pairs.contact[:, _LEGS],
-        base_pos=(pairs.base_pos * _VECTOR).astype(np.float32),
-        clip=pairs.clip,
-    )
+    labels: dict[str, NDArray] = {name: getattr(pairs, name) for name in POSE}
+    labels |= {name: pairs.rates[:, part] for name, part in RATES.items()}
+    return PairSet.of(mirror_features(pairs.triplet), mirror_labels(labels), pairs.clip)
 
 
 def _time_warp(n: int, rng: np.random.Generator, most: float = 0.15) -> Array:

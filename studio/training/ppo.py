@@ -10,13 +10,9 @@ import torch
 from rsl_rl.algorithms import PPO
 from tensordict import TensorDict
 
-from studio.control.symmetry import (
-    JOINT_INDEX,
-    JOINT_SIGN,
-    observation_mirror,
-    privileged_mirror,
-)
+from studio.control.symmetry import observation_mirror, privileged_mirror
 from studio.rl.env import ImitationEnv
+from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 from studio.training.device import threads
 from studio.training.learner import Learner
 from studio.training.parallel import ALONE, Crew
@@ -73,7 +69,7 @@ class TorchEnv:
         self._mirror = {
             "actor": mirror_tensors(observation_mirror(env.config.observation), device),
             "privileged": mirror_tensors(privileged_mirror(), device),
-            "action": mirror_tensors((JOINT_INDEX, JOINT_SIGN), device),
+            "action": mirror_tensors((MIRROR_JOINT, MIRROR_SIGN), device),
         }
 
     def tensors(self, actor: np.ndarray, privileged: np.ndarray) -> TensorDict:

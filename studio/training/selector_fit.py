@@ -11,8 +11,8 @@ import numpy as np
 import torch
 from numpy.typing import NDArray
 
+from studio.human.features import mirror_features
 from studio.retarget.selector import NAMES, Prototypes, SelectorConfig
-from studio.training.operator_pairs import mirror_triplet
 from studio.training.selector_data import Frames, sequences
 
 Array = NDArray[np.float64]
@@ -98,7 +98,7 @@ def learn_metric(frames: Frames, mean: Array, scale: Array, seed: int) -> Array:
     """
     rng, generator = np.random.default_rng([seed, 80]), torch.Generator().manual_seed(seed)
     z = np.clip((frames.triplet - mean) / scale, -5.0, 5.0).astype(np.float32)
-    m = np.clip((mirror_triplet(frames.triplet) - mean) / scale, -5.0, 5.0).astype(np.float32)
+    m = np.clip((mirror_features(frames.triplet) - mean) / scale, -5.0, 5.0).astype(np.float32)
     classes = [np.flatnonzero(frames.label == c) for c in range(len(NAMES))]
     within = sum(np.cov((z[rows] - z[rows].mean(0)).T) for rows in classes) / len(classes)
     power, axes = np.linalg.eigh(within + np.eye(z.shape[1]))

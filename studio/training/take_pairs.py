@@ -8,7 +8,6 @@ import numpy as np
 
 from studio.errors import StudioError
 from studio.reference.intent import STATES
-from studio.retarget.mapper import NUM_RATES, RATES
 from studio.takes.dataset import datasets
 from studio.takes.dataset.datasets import DataSet
 from studio.takes.library import SessionLibrary
@@ -76,15 +75,5 @@ def of_data_set(data: DataSet) -> TakePairs:
 
 def _pair_set(data: DataSet, rows: np.ndarray) -> PairSet:
     values = {name: value[rows] for name, value in data.arrays.items()}
-    rates = np.zeros((len(rows), NUM_RATES), np.float32)
-    for name, part in RATES.items():
-        rates[:, part] = values[name]
-    return PairSet(
-        triplet=np.concatenate([values["q"], values["qd"], values["qdd"]], axis=1),
-        joint_pos=values["joint_pos"],
-        base_quat=values["base_quat"],
-        rates=rates,
-        contact=values["contact"],
-        base_pos=values["base_pos"],
-        clip=values["take"].astype(np.int64),
-    )
+    triplet = np.concatenate([values["q"], values["qd"], values["qdd"]], axis=1)
+    return PairSet.of(triplet, values, values["take"])

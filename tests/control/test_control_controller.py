@@ -8,7 +8,7 @@ import pytest
 
 from studio import geometry, metrics
 from studio.control.controller import Controller, Directive
-from studio.control.footing import facing, feet_w, fit_plane, placed, solve, with_velocity
+from studio.control.footing import facing, feet_w, placed, solve, with_velocity
 from studio.control.transition import MAX_SECONDS, MIN_SECONDS, plan, settle
 from studio.control.ways import (
     MAX_JOINT_SPEED,
@@ -19,7 +19,7 @@ from studio.control.ways import (
 )
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
-from studio.reference.stances import NEUTRAL
+from studio.reference.stances import NEUTRAL, fit_plane
 from studio.robot import a1
 from studio.robot.pose import RobotPose
 from studio.sim.actuation import LowPass, limit_target

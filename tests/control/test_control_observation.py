@@ -24,6 +24,7 @@ from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.rl import noise, termination
 from studio.robot import a1
+from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 
 LEVEL = geometry.IDENTITY_QUAT
 
@@ -110,7 +111,7 @@ def test_mirror_twice_is_identity(yaw_rate: bool) -> None:
     for index, sign in (
         symmetry.observation_mirror(ObservationConfig(yaw_rate=yaw_rate)),
         symmetry.privileged_mirror(),
-        (symmetry.JOINT_INDEX, symmetry.JOINT_SIGN),
+        (MIRROR_JOINT, MIRROR_SIGN),
     ):
         x = np.random.default_rng(0).standard_normal(len(index))
         once = sign * x[index]

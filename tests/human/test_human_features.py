@@ -15,7 +15,6 @@ from studio.human.features import (
     HEIGHT,
     NEUTRAL_Q,
     FeatureExtractor,
-    Normalizer,
     clip_features,
     joints_of,
 )
@@ -181,16 +180,6 @@ def test_reset_forgets_everything():
     first = np.array([extractor.push(clip[i]).qdd for i in range(30)])
     extractor.reset()
     assert (np.array([extractor.push(clip[i]).qdd for i in range(30)]) == first).all()
-
-
-def test_normalizer_gives_unit_columns_leaves_constant_ones_at_zero_and_inverts():
-    x = np.random.default_rng(0).normal(3.0, 2.0, size=(500, 4))
-    x[:, 2] = 7.0
-    normalizer = Normalizer.fit(x)
-    z = normalizer(x)
-    assert z.mean(axis=0) == pytest.approx(np.zeros(4), abs=1e-9)
-    assert z.std(axis=0) == pytest.approx([1, 1, 0, 1])
-    assert normalizer.invert(z) == pytest.approx(x)
 
 
 def test_at_rate_gives_the_newest_frame_so_far():

@@ -8,7 +8,7 @@ import pytest
 
 from studio import geometry
 from studio.human.canonical import MIRROR_JOINTS
-from studio.human.features import FEATURE_DIM, clip_features
+from studio.human.features import FEATURE_DIM, clip_features, mirror_features
 from studio.human.pose import HumanClip
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
@@ -24,8 +24,6 @@ from studio.training import checkpoint
 from studio.training.mapper import make_pairs, run_train_mapper
 from studio.training.mapper_fit import MapperTraining, fit_expert, new_net, score
 from studio.training.operator_pairs import (
-    label_motion,
-    mirror_triplet,
     mirrored,
     pair_up,
 )
@@ -63,7 +61,7 @@ def test_mirroring_a_triplet_is_seeing_the_mirrored_person():
         joint_pos_w=clip.joint_pos_w[:, MIRROR_JOINTS] * [1.0, -1.0, 1.0],
         confidence=clip.confidence[:, MIRROR_JOINTS],
     )
-    ours = mirror_triplet(np.concatenate(clip_features(clip), axis=-1).astype(np.float32))
+    ours = mirror_features(np.concatenate(clip_features(clip), axis=-1).astype(np.float32))
     theirs = np.concatenate(clip_features(other), axis=-1)
     np.testing.assert_allclose(ours, theirs, atol=1e-3, rtol=1e-3)
 
@@ -77,19 +75,6 @@ def test_mirroring_pairs_twice_gives_them_back():
         np.testing.assert_allclose(getattr(again, name), getattr(pairs, name), atol=1e-6)
     turning = RATES["base_ang_vel"].stop - 1
     np.testing.assert_allclose(mirrored(pairs).rates[:, turning], -pairs.rates[:, turning])
-
-
-def test_labels_of_a_steady_walk_have_its_speed_and_no_heading():
-    # 0.3 m/s along a heading of 90 degrees: forward in the state's frame, nothing sideways.
-    n, dt = 30, 1.0 / 30.0
-    pos = np.zeros((n, 3))
-    pos[:, 1] = 0.3 * dt * np.arange(n)
-    quat = np.tile(geometry.quat_from_rpy([0.0, 0.0, np.pi / 2]), (n, 1))
-    out = label_motion("walk", pos, quat, np.zeros((n, 12)), dt)
-    velocity = out["rates"][6:, RATES["base_lin_vel"]]
-    np.testing.assert_allclose(velocity, np.tile([0.3, 0.0, 0.0], (n - 6, 1)), atol=1e-9)
-    np.testing.assert_allclose(out["base_quat"], np.tile([1.0, 0, 0, 0], (n, 1)), atol=1e-9)
-    np.testing.assert_allclose(out["rates"][6:, RATES["base_lin_acc"]], 0.0, atol=1e-9)
 
 
 def test_a_mapper_is_scored_by_the_studios_own_figures():

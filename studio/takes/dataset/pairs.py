@@ -1,9 +1,9 @@
 """A take as its edits leave it to training pairs: what the person did, what the robot shows.
 
 A pair is one 30 Hz frame. The person's side goes through the same causal features as live; the
-robot's side is the shown motion in its state's frame, with derivatives by backward differences
-over 0.1 s and contact labels by `reference.contact`. Trimmed, cut and rejected frames are left
-out after the features were computed, so that no filter or difference jumps over a cut.
+robot's side is the shown motion as `reference.labels` tells it. Trimmed, cut and rejected
+frames are left out after the features were computed, so that no filter or difference jumps over a
+cut.
 """
 
 from collections.abc import Mapping
@@ -14,14 +14,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import geometry
 from studio.human.calibration import calibrate
-from studio.human.features import DELTA_FRAMES, FEATURE_DIM, clip_features
+from studio.human.features import FEATURE_DIM, clip_features
 from studio.human.pose import HumanClip
-from studio.reference.contact import contact_labels
-from studio.reference.intent import STATES, StateName
-from studio.reference.stances import NEUTRAL
-from studio.robot import a1, kinematics
+from studio.reference import labels
+from studio.reference.intent import STATES
+from studio.robot import a1
 from studio.takes.align import synchrony
 from studio.takes.columns import Columns, columns
 from studio.takes.edit import edited
@@ -39,11 +37,9 @@ SETTLE = 15
 LEAST = 30
 """Frames a stretch of one state has to have."""
 SHAPES: dict[str, tuple[int, ...]] = {
-    "q": (FEATURE_DIM,), "qd": (FEATURE_DIM,), "qdd": (FEATURE_DIM,),
-    "joint_pos": (12,), "base_quat": (4,), "base_pos": (3,), "contact": (4,),
-    "joint_vel": (12,), "joint_acc": (12,), "base_lin_vel": (3,), "base_lin_acc": (3,),
-    "base_ang_vel": (3,), "base_ang_acc": (3,),
-}  # fmt: skip
+    **dict.fromkeys(("q", "qd", "qdd"), (FEATURE_DIM,)),
+    **{name: (dim,) for name, dim in labels.DIMS.items()},
+}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,7 +48,7 @@ class Pairs:
 
     values[name]: (N, …) float32 as in SHAPES: q, qd, qdd of the person (features.FEATURE_NAMES);
     joint_pos rad; base_quat wxyz and the linear rates in the state's frame (walk: the heading;
-    stand and sit: the way the robot faced at rest), angular rates in the body; base_pos m, world;
+    stand and sit: the way the feet face), angular rates in the body; base_pos m, world;
     contact in [0, 1]. tick: (N,) which tick of the take. state: (N,) index into STATES.
     lag: s that was taken out, and `aligned` where it came from: "edit", "proposed" (by the take and
     its session) or "none".
@@ -202,49 +198,11 @@ def _stretch(
         np.asarray(table.rows[f"reference_{key}"][start:end], dtype=np.float64)
         for key in ("base_pos", "base_quat", "joint_pos")
     )
-    values = {"q": q, "qd": qd, "qdd": qdd} | robot_values(state, pos, quat, joint_pos)
+    robot = labels.label_motion(state, pos, quat, joint_pos, a1.CONTROL_DT)
+    values = {"q": q, "qd": qd, "qdd": qdd} | robot
     late = slice(SETTLE, None)
     return (
         ticks[late].astype(np.int32),
         STATES.index(state),
         {key: value[late].astype(np.float32) for key, value in values.items()},
     )
-
-
-def facing(state: StateName, base_quat: Array) -> float:
-    """Heading (rad) of the feet in a stretch whose first frame is at or near the neutral pose."""
-    turn = geometry.quat_mul(base_quat[0], geometry.quat_conj(NEUTRAL[state].base_quat))
-    return float(2.0 * np.arctan2(turn[3], turn[0]))
-
-
-def robot_values(
-    state: StateName, base_pos: Array, base_quat: Array, joint_pos: Array
-) -> dict[str, Array]:
-    """The robot's side of SHAPES, of a motion (T, 3), (T, 4), (T, 12) at 30 Hz."""
-    n, dt = len(joint_pos), a1.CONTROL_DT
-    walks = state == "walk"
-    yaw = geometry.heading(base_quat) if walks else np.full(n, facing(state, base_quat))
-    frame = np.zeros((n, 4))
-    frame[:, 0], frame[:, 3] = np.cos(0.5 * yaw), np.sin(0.5 * yaw)
-    back = np.maximum(np.arange(n) - DELTA_FRAMES, 0)
-
-    def rate(x: Array) -> Array:
-        return (x - x[back]) / (DELTA_FRAMES * dt)
-
-    turn = geometry.quat_mul(geometry.quat_conj(base_quat[back]), base_quat)
-    ang_vel = geometry.quat_to_rotvec(turn) / (DELTA_FRAMES * dt)
-    lin_vel = rate(base_pos)
-    foot = kinematics.foot_pos_w(base_pos, base_quat, joint_pos)
-    quat = geometry.quat_mul(geometry.quat_conj(frame), base_quat)
-    return {
-        "joint_pos": joint_pos,
-        "base_quat": np.where(quat[:, :1] < 0.0, -quat, quat),
-        "base_pos": base_pos,
-        "contact": contact_labels(foot, dt),
-        "joint_vel": rate(joint_pos),
-        "joint_acc": rate(rate(joint_pos)),
-        "base_lin_vel": geometry.quat_rotate_inverse(frame, lin_vel),
-        "base_lin_acc": geometry.quat_rotate_inverse(frame, rate(lin_vel)),
-        "base_ang_vel": ang_vel,
-        "base_ang_acc": rate(ang_vel),
-    }
