@@ -181,11 +181,6 @@ def quat_slerp(a: ArrayLike, b: ArrayLike, s: ArrayLike) -> Array:
     return quat_mul(a, quat_from_rotvec(np.asarray(s, dtype=np.float64)[..., None] * delta))
 
 
-def quat_integrate(q: ArrayLike, ang_vel_b: ArrayLike, dt: float) -> Array:
-    """One step of constant body angular velocity (..., 3) rad/s over dt seconds."""
-    return normalize(quat_mul(q, quat_from_rotvec(np.asarray(ang_vel_b, dtype=np.float64) * dt)))
-
-
 def ang_vel_b(quat: ArrayLike, dt: float) -> Array:
     """Body angular velocity (T, 3) rad/s by backward differences of quaternions (T, 4).
 
@@ -219,21 +214,6 @@ def heading_quat(q: ArrayLike) -> Array:
     return np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
 
 
-def tilt_quat(q: ArrayLike) -> Array:
-    """What is left of (..., 4) when its heading is taken away: q = heading_quat * tilt_quat."""
-    return quat_mul(quat_conj(heading_quat(q)), q)
-
-
 def wrap_angle(a: ArrayLike) -> Array:
     """Angles wrapped to [-pi, pi)."""
     return (np.asarray(a, dtype=np.float64) + np.pi) % (2.0 * np.pi) - np.pi
-
-
-def transform(pos: ArrayLike, quat: ArrayLike) -> Array:
-    """Homogeneous T_a_b (..., 4, 4) from the position and orientation of b in a."""
-    pos, quat = np.asarray(pos, dtype=np.float64), np.asarray(quat, dtype=np.float64)
-    out = np.zeros(quat.shape[:-1] + (4, 4))
-    out[..., :3, :3] = quat_to_matrix(quat)
-    out[..., :3, 3] = pos
-    out[..., 3, 3] = 1.0
-    return out

@@ -18,8 +18,8 @@ from studio.control.footing import between, facing, feet_w, solve, still, turn_z
 from studio.control.put_down import IN_THE_AIR, PutDown
 from studio.control.transition import Path
 from studio.control.ways import minimum_jerk
-from studio.reference.intent import StateName
-from studio.reference.stances import NEUTRAL
+from studio.reference.intent import STATES, StateName
+from studio.reference.stances import JOINT_SPEED, NEUTRAL
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose
 
@@ -27,12 +27,9 @@ Array = NDArray[np.float64]
 
 CROUCH_HEIGHT = 0.13
 """m, base height from which the robot stands up; the trunk is clear of the floor."""
-SPEED_LIMIT: dict[StateName, float] = {
-    "stand": float(np.radians(119.99)),
-    "walk": float(np.radians(899.9)),
-    "sit": float(np.radians(119.99)),
-}
-"""rad/s, of the reference's joints (paper-notes: 120 deg/s but for walking)."""
+_ROUNDING: dict[StateName, float] = {"stand": 0.01, "walk": 0.1, "sit": 0.01}
+SPEED_LIMIT = {state: JOINT_SPEED[state] - np.radians(_ROUNDING[state]) for state in STATES}
+"""rad/s, of the reference's joints: so little under JOINT_SPEED that rounding never crosses it."""
 
 
 class Directive(Enum):

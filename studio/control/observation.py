@@ -5,10 +5,8 @@ first. z: 12 joint angles, roll, pitch, their rates and, by default, the gyro's 
 joint angles, base height, roll, pitch, yaw rate, planar velocity in the reference's heading frame.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +18,10 @@ from studio.reference.intent import StateName
 from studio.robot import a1
 
 Array = NDArray[np.float64]
-Foresee = Callable[[Array], Array]
 
 FRAMES = 4
 """Frames of z and of the reference in an observation."""
 PAST_ACTIONS = 3
-MEMORY = 15
-"""Frames of the reference, half a second, from which its future is foreseen."""
 ACTION_DIM = 12
 REFERENCE_DIM = 18
 YAW_RATE, VELOCITY, GYRO_YAW = 15, slice(16, 18), 16
@@ -37,7 +32,6 @@ PLACE_CLIP = 0.25
 """m, likewise."""
 MAKES_UP_FROM = 0.02
 """m/s asked for from which missed way is made up for in full; less at less."""
-FutureKind = Literal["predicted", "true"]
 
 
 @cache
@@ -145,9 +139,8 @@ class ObservationConfig:
     of the errors of heading and place (see `History`) is added to the reference's yaw rate and
     velocity, 0 for none; hold_tau: s in which an error is forgotten; heading_smooth: s over which
     the heading's error is averaged before it steers, so that what the trunk yaws within a stride
-    does not answer itself. future: control periods ahead
-    of which p̄ is appended, foreseen from the past ("predicted") or given away ("true", which only
-    a simulation can).
+    does not answer itself. future: control periods ahead of which p̄ is appended (only a simulation
+    can know them).
     """
 
     yaw_rate: bool = True
@@ -156,7 +149,6 @@ class ObservationConfig:
     hold_tau: float = 5.0
     heading_smooth: float = 0.0
     future: tuple[int, ...] = ()
-    future_kind: FutureKind = "predicted"
 
     def __post_init__(self) -> None:
         if (self.heading_gain or self.place_gain) and not self.yaw_rate:
@@ -190,7 +182,7 @@ class ObservationConfig:
         if self.future:
             frames = ", ".join(f"t+{k}" for k in self.future)
             size = REFERENCE_DIM * len(self.future)
-            blocks.append({"name": self.future_kind, "frames": frames, "fields": p, "size": size})
+            blocks.append({"name": "future", "frames": frames, "fields": p, "size": size})
         return blocks
 
 
@@ -206,22 +198,13 @@ class History:
 
     e steers as its first-order mean over heading_smooth. Below MAKES_UP_FROM d counts in proportion
     to the speed asked for.
-
-    foresee: (N, MEMORY, 18) past references, newest last → (N, 18 · len(future)), where the
-    configuration asks for a predicted future.
     """
 
-    def __init__(
-        self, num_envs: int, config: ObservationConfig, foresee: Foresee | None = None
-    ) -> None:
+    def __init__(self, num_envs: int, config: ObservationConfig) -> None:
         self.config = config
         self.z = np.zeros((num_envs, FRAMES, config.sensor_dim))
         self.actions = np.zeros((num_envs, PAST_ACTIONS, ACTION_DIM))
-        predicted = bool(config.future) and config.future_kind == "predicted"
-        if predicted and foresee is None:
-            raise StudioError("this policy foresees its reference: give its predictor")
-        self._foresee = foresee if predicted else None
-        self._past = np.zeros((num_envs, MEMORY if predicted else FRAMES, REFERENCE_DIM))
+        self._past = np.zeros((num_envs, FRAMES, REFERENCE_DIM))
         self.heading_error = np.zeros(num_envs)
         self.steering = np.zeros(num_envs)
         self.place_error = np.zeros((num_envs, 2))
@@ -231,7 +214,7 @@ class History:
     @property
     def reference(self) -> Array:
         """(N, FRAMES, 18), oldest first."""
-        return self._past[:, -FRAMES:]
+        return self._past
 
     def reset(
         self, ids: NDArray[np.intp] | slice, z: Array, reference: Array, contact: Array
@@ -287,13 +270,10 @@ class History:
     ) -> NDArray[np.float32]:
         """o_t (n, dim) float32 of the robots `ids`, by default of all N.
 
-        future: (n, 18 · len(future)), where the true one is asked for.
+        future: (n, 18 · len(future)), where the configuration asks for it.
         """
-        past = self._past[ids]
-        blocks = (self.z[ids], self.actions[ids], past[:, -FRAMES:])
-        parts = [block.reshape(len(past), -1) for block in blocks]
-        if self._foresee is not None:
-            future = self._foresee(past)
+        blocks = (self.z[ids], self.actions[ids], self._past[ids])
+        parts = [block.reshape(len(block), -1) for block in blocks]
         if self.config.future:
             assert future is not None
             parts.append(future)

@@ -19,7 +19,6 @@ from studio.files import whole, write_whole
 from studio.paths import carried
 from studio.reference import scalars
 from studio.reference.intent import STATES
-from studio.rl.foresight import Foresight
 from studio.robot import a1
 from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 from studio.robot.pose import ReferencePose, RobotState
@@ -71,7 +70,7 @@ class Policy:
 
     def __init__(self, tensors: dict[str, NDArray[np.float32]], manifest: dict[str, Any]) -> None:
         self.manifest, self._tensors = manifest, tensors
-        self.observation = ObservationConfig(**manifest["observation"])
+        self.observation = _observed(manifest["observation"])
         self.layers = Network(tensors)
         self.network: Network | Symmetric = self.layers
         if manifest.get("symmetric", False):
@@ -79,8 +78,7 @@ class Policy:
         self.action_config = ActionConfig(**manifest["action"])
         self._level = scalars.rows(manifest["level_quat"])
         self.neutral = np.array(manifest["neutral_joint_pos"])
-        self.foresee = Foresight.of(tensors)
-        self.history = History(1, self.observation, self.foresee)
+        self.history = History(1, self.observation)
         self._begun = False
 
     @classmethod
@@ -123,7 +121,7 @@ class Policy:
         Exactly what the environment does in training: the reference and the robot enter the
         history, the network acts on it, its output is remembered and added to the reference.
         """
-        if self.observation.future and self.observation.future_kind == "true":
+        if self.observation.future:
             raise StudioError("this policy needs the true future: only `evaluate` can give it that")
         z, p = self._frames(reference, robot)
         if self._begun:
@@ -139,6 +137,14 @@ class Policy:
     def _frames(self, reference: ReferencePose, robot: RobotState) -> tuple[Array, Array]:
         z = frames.sensor_frame(robot, self._level, self.observation.yaw_rate)
         return z[None], frames.reference_frame(reference, self._level)[None]
+
+
+def _observed(told: dict[str, Any]) -> ObservationConfig:
+    """As a sidecar tells it; up to 0.1 they said of which kind a policy's future is."""
+    fields = dict(told)
+    if fields.pop("future_kind", "true") == "predicted" and fields.get("future"):
+        raise ValueError("it foresees its reference, which is no longer supported")
+    return ObservationConfig(**fields)
 
 
 def manifest_of(

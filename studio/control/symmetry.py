@@ -52,8 +52,3 @@ def privileged_mirror() -> tuple[NDArray[np.intp], Array]:
         index.append(part + offset)
         offset += len(part)
     return np.concatenate(index), np.concatenate([sign for _, sign in blocks])
-
-
-def mirror_joints(x: Array) -> Array:
-    """(…, 12) joint angles, velocities or actions in the mirror."""
-    return MIRROR_SIGN * x[..., MIRROR_JOINT]

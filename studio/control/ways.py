@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.reference import scalars
+from studio.reference.stances import JOINT_SPEED
 from studio.robot import kinematics
 from studio.robot.pose import RobotPose
 
@@ -22,8 +23,8 @@ Array = NDArray[np.float64]
 LegMode = Literal["plant", "step", "swing"]
 Legs = tuple[LegMode, LegMode, LegMode, LegMode]
 
-MAX_JOINT_SPEED = np.radians(115.5)
-"""rad/s, under the 120 deg/s of paper-notes so that rounding never crosses it."""
+MAX_JOINT_SPEED = JOINT_SPEED["stand"] - np.radians(4.5)
+"""rad/s, under the limit so that neither rounding nor the way's samples ever cross it."""
 CLEARANCE = 0.04
 """m, how high a stepping foot is lifted."""
 

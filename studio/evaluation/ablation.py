@@ -24,6 +24,7 @@ from studio.evaluation.contenders import Contender, baseline, contender, trained
 from studio.evaluation.disturbed import disturbed
 from studio.evaluation.tracking import CACHE, Job, Motions, compare, library, names_of
 from studio.reference.intent import STATES, StateName
+from studio.reference.stances import JOINT_SPEED
 from studio.rl.bank import MotionBank
 from studio.training.variants import VARIANTS, weights
 
@@ -34,7 +35,7 @@ CONSISTENCY = {
     "neither": (False, False),
 }
 """Contact, temporal."""
-SLOW_LIMIT = float(np.radians(120.0))
+SLOW_LIMIT = JOINT_SPEED["stand"]
 """rad/s: the paper's for every motion; ours is 900 deg/s walking, so walking is tried at both."""
 TRAINED: StateName = "walk"
 """The state whose variants are trained: the one that asks most of a policy."""

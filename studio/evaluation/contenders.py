@@ -9,7 +9,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from studio.control.observation import Foresee
 from studio.control.policy import MODELS, Policy
 from studio.reference.intent import StateName
 from studio.rl import episodes as simulate
@@ -30,7 +29,6 @@ class Contender:
     name: str
     act: simulate.Act
     settings: EnvConfig = field(default_factory=EnvConfig)
-    foresee: Foresee | None = None
     level: StateName | None = None
     digest: str = ""
 
@@ -38,9 +36,7 @@ class Contender:
         """`num` episodes of the bank under full Table I: for one seed, the same for everybody."""
         if self.level is not None:
             bank = relevelled(bank, self.level)
-        return simulate.evaluation_env(
-            bank, num, seed, threads=threads, settings=self.settings, foresee=self.foresee
-        )
+        return simulate.evaluation_env(bank, num, seed, threads=threads, settings=self.settings)
 
 
 def baseline(name: str) -> Contender:
@@ -56,7 +52,6 @@ def trained(name: str, path: Path) -> Contender:
         name=name,
         act=simulate.policy_of(policy),
         settings=EnvConfig(observation=policy.observation, action=policy.action_config),
-        foresee=policy.foresee,
         level="stand" if state == "all" else None,
         digest=hashlib.sha256(path.read_bytes()).hexdigest(),
     )

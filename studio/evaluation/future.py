@@ -1,4 +1,4 @@
-"""Without the future: predicting the reference, a teacher that saw it, and having it for true."""
+"""Without the future: PPO alone, a teacher that saw it, and having it for true."""
 
 from pathlib import Path
 from typing import Any
@@ -10,7 +10,6 @@ from studio.evaluation.tracking import CACHE
 ROWS = {
     "no_teacher": "no future (PPO)",
     "full": "distilled from a teacher that saw it",
-    "predicted_future": "distilled, and foreseen from the past",
     "true_future": "distilled, and the true future",
 }
 

@@ -44,7 +44,6 @@ def run_kicks(
                     noise=0.0,
                     threads=int(threads),
                     settings=who.settings,
-                    foresee=who.foresee,
                 )
                 first, last = (round(30.0 * moment) for moment in MOMENTS_S)
                 when = rng.integers(first, last, episodes)

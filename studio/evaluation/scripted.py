@@ -53,7 +53,6 @@ def record(
         randomisation=0.0,
         noise=0.0,
         settings=who.settings,
-        foresee=who.foresee,
     )
     env.reset()
     frames = []

@@ -48,11 +48,6 @@ class Calibration:
         return float(self.bone_length[_LEG_BONES].sum()) / 2.0
 
     @property
-    def bone_scale(self) -> Array:
-        """(18,) measured over template bone length."""
-        return self.bone_length / BONE_LENGTH
-
-    @property
     def scale(self) -> float:
         """Size of the person over the template's, by the legs: for drawing, and for distances."""
         return self.leg_length / LEG_LENGTH

@@ -15,8 +15,6 @@ from studio.robot import a1, kinematics
 
 Array = NDArray[np.float64]
 
-SPEED_LIMIT = {"stand": np.radians(120.0), "sit": np.radians(120.0), "walk": np.radians(900.0)}
-"""rad/s per state: the paper's 120 degrees a second; walking needs more (a trot 330 to 830)."""
 PENETRATION = 0.002
 STANDING = 0.003
 SLIDING = 0.02
@@ -49,7 +47,7 @@ def _joints(motion: ReferenceMotion) -> list[str]:
     if np.max(beyond) > _LIMIT_SLACK:
         frame, joint = np.unravel_index(np.argmax(beyond), beyond.shape)
         out.append(f"{a1.JOINTS[joint]} is {np.max(beyond):.3f} rad past its limit at {frame}")
-    speed, limit = np.abs(motion.joint_vel), SPEED_LIMIT[motion.state]
+    speed, limit = np.abs(motion.joint_vel), stances.JOINT_SPEED[motion.state]
     if np.max(speed) > limit:
         frame, joint = np.unravel_index(np.argmax(speed), speed.shape)
         out.append(

@@ -6,7 +6,7 @@ pair of the two is what a mapper learns from. Nothing else turns an intent into 
 a keyboard sets an intent, the operator acts it, the mapper reads the person.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -46,10 +46,6 @@ class Intent:
     phase: float = 0.0
     cadence: float = 0.0
     lift: float = 0.0
-
-    def with_(self, **changes: object) -> "Intent":
-        """A copy with some fields changed."""
-        return replace(self, **changes)  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True, kw_only=True)

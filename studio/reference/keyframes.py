@@ -12,14 +12,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from studio.reference.intent import IntentTrack, StateName
 from studio.reference.realize import realize
+from studio.reference.stances import JOINT_SPEED
 from studio.reference.tracks import frames_in, make_track
 
 Array = NDArray[np.float64]
 
 MIN_SECONDS, MAX_SECONDS = 1.0, 3.0
 """s: time between key poses (the paper)."""
-JOINT_SPEED = np.radians(120.0)
-"""rad/s: limit of the joints in stand and sit (the paper)."""
 _MARGIN = 0.95
 
 
@@ -93,7 +92,7 @@ def _speed_excess(track: IntentTrack, moves: Array, rests: Array) -> Array:
     """Per segment (K,): the largest joint speed over the limit (with a margin), at least 1."""
     start = np.concatenate([[0.0], np.cumsum(rests + moves)[:-1]]) + rests
     motion = realize(track)
-    peak = np.max(np.abs(motion.joint_vel), axis=-1) / (_MARGIN * JOINT_SPEED)
+    peak = np.max(np.abs(motion.joint_vel), axis=-1) / (_MARGIN * JOINT_SPEED[motion.state])
     t = np.arange(len(track)) * track.dt
     excess = np.ones(len(moves))
     for k in range(len(moves)):

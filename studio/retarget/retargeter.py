@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
-from studio.human.calibration import Calibration, Calibrator
+from studio.human.calibration import Calibration
 from studio.human.features import FeatureExtractor, Features
 from studio.human.pose import HumanPose
 from studio.reference.intent import StateName
@@ -121,10 +121,6 @@ class Retargeter:
         self.selector = Selector(experts.prototypes, config)
         self.selector.set_lock(lock)
         self._begin()
-
-    def set_calibration(self, calibration: Calibration) -> None:
-        """Use a refined calibration from the next frame on, without a jump in the motion."""
-        self.extractor.calibrator = Calibrator(calibration, dt=a1.CONTROL_DT)
 
     def step(
         self, pose: HumanPose | None, dt: float = a1.CONTROL_DT, *, watch: bool = False

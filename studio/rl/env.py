@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.control.action import clip_action, pd_target
-from studio.control.observation import Foresee, History, sensor_frame
+from studio.control.observation import History, sensor_frame
 from studio.control.odometry import CONTACT_GAP, turned
 from studio.rl.bank import MotionBank
 from studio.rl.curriculum import Curriculum, stages
@@ -32,15 +32,13 @@ class ImitationEnv(TrackingRobots):
         bank: MotionBank,
         seed: int = 0,
         curriculum: Curriculum | None = None,
-        foresee: Foresee | None = None,
     ) -> None:
         n = config.num_envs
         self.rng = np.random.default_rng(seed)
         super().__init__(config, bank, int(self.rng.integers(2**31)))
-        self.foresee = foresee
         self.curriculum = curriculum or Curriculum(ladder=stages(bank.tasks))
         self.neutral = neutral_joints(bank)
-        self.history = History(n, config.observation, foresee)
+        self.history = History(n, config.observation)
         self.noise = ReferenceNoise(n, config.noise, self.rng)
         self.lowpass = LowPass(config.action.cutoff_hz)
         self.lowpass.reset(np.zeros((n, 12)))
@@ -114,7 +112,7 @@ class ImitationEnv(TrackingRobots):
     def observation(self, ids: Robots = EVERYONE) -> NDArray[np.float32]:
         """(N, dim): what the policy sees now; or (n, dim), what those of `ids` see."""
         future = None
-        if self.config.observation.future_kind == "true" and self.config.observation.future:
+        if self.config.observation.future:
             frame, motion = self.frame[ids, None], self.motion[ids, None]
             ahead = np.minimum(
                 frame + np.array(self.config.observation.future), self.bank.frames - 1

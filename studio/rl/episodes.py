@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import metrics
-from studio.control.observation import Foresee
 from studio.control.policy import Policy
 from studio.rl.bank import MotionBank
 from studio.rl.curriculum import Curriculum, Stage
@@ -62,7 +61,6 @@ def evaluation_env(
     noise: float = 1.0,
     threads: int = 0,
     settings: EnvConfig | None = None,
-    foresee: Foresee | None = None,
 ) -> ImitationEnv:
     """`num` episodes of the bank's motions from their first frame, dynamics from Table I."""
     stage = Stage(
@@ -76,7 +74,7 @@ def evaluation_env(
         noise_scale=noise,
     )
     curriculum = Curriculum(ladder=[stage])
-    return ImitationEnv(config, bank, seed=seed, curriculum=curriculum, foresee=foresee)
+    return ImitationEnv(config, bank, seed=seed, curriculum=curriculum)
 
 
 def run_episodes(env: ImitationEnv, act: Act) -> dict[str, Array]:

@@ -50,10 +50,6 @@ STAND_JOINT_POS = np.tile([0.0, 0.895665, -1.791330], 4)
 """Neutral stand: each foot straight under its thigh joint, sole on the floor:
 0.4 * cos(0.895665) = 0.25 = STAND_HEIGHT - FOOT_RADIUS."""
 
-# A1 sits on rear feet and calves with the trunk pitched up; statically stable (paper-notes).
-SIT_JOINT_POS = np.array([0.0, -0.94, -1.45, 0.0, -0.94, -1.45, 0.0, 1.23, -1.53, 0.0, 1.23, -1.53])
-"""Neutral sit, joint angles only: the base pose follows from the rear legs on the floor."""
-
 LINKS: tuple[str, ...] = ("trunk", *(f"{leg}_{part}" for leg in LEGS for part in LEG_JOINTS))
 """The 13 moving links; each foot is part of its calf."""
 NUM_LINKS = len(LINKS)

@@ -4,13 +4,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal, get_args
 
-import numpy as np
-
 from studio.control.action import ActionConfig, ActionMode
-from studio.control.observation import FutureKind, ObservationConfig
+from studio.control.observation import ObservationConfig
 from studio.errors import StudioError, unknown_name
 from studio.reference.intent import STATES, StateName
-from studio.rl import foresight
 from studio.rl.bank import MotionBank, merged
 from studio.rl.bank_store import library_bank
 from studio.rl.curriculum import Curriculum, stages
@@ -97,7 +94,7 @@ class PolicyTraining:
     the weights to models/policy/STATE.safetensors too (always to the run's folder).
 
     curriculum, randomise, yaw_rate, action, future: what the ablations switch; future: give the
-    policy its reference 0.1, 0.2 and 0.3 s ahead, foreseen or true. gate, patience: see Curriculum.
+    policy its true reference 0.1, 0.2 and 0.3 s ahead. gate, patience: see Curriculum.
     crossings: motions out of each other state a difficulty, 0 for none. people: whose motions,
     as the mapper retargets them, join the library's for walking and sitting. push: m/s, the largest
     kick (EnvConfig). clean: share of the episodes whose reference has no noise.
@@ -125,7 +122,7 @@ class PolicyTraining:
     randomise: bool = True
     yaw_rate: bool = True
     action: ActionMode = "residual"
-    future: FutureKind | None = None
+    future: bool = False
     crossings: int = 24
     people: int = 12
     motions_per_task: int = 40
@@ -220,7 +217,6 @@ def make_environment(
         heading_smooth=recipe.heading_smooth,
         place_gain=recipe.place_gain if config.yaw_rate else 0.0,
         future=FUTURE_PERIODS if config.future else (),
-        future_kind=config.future or "predicted",
     )
     settings = EnvConfig(
         num_envs=config.num_envs,
@@ -239,15 +235,11 @@ def make_environment(
         push=config.push,
         steep=recipe.steep,
     )
-    foresee = None
-    if config.future == "predicted":
-        rng = np.random.default_rng([config.seed, 1])
-        foresee = foresight.fit(bank, FUTURE_PERIODS, noise, rng)
     seed = config.seed if seed is None else seed
     if config.privileged:
         settings = replace(settings, noise_scale=0.0)
         return PrivilegedEnv(settings, bank, seed=seed, curriculum=curriculum)
-    return ImitationEnv(settings, bank, seed=seed, curriculum=curriculum, foresee=foresee)
+    return ImitationEnv(settings, bank, seed=seed, curriculum=curriculum)
 
 
 def algorithm_of(config: PolicyTraining) -> PpoConfig:

@@ -16,7 +16,6 @@ from studio.control.observation import level_quat
 from studio.control.policy import manifest_of
 from studio.errors import StudioError
 from studio.rl.env import ImitationEnv
-from studio.rl.foresight import Foresight
 from studio.rl.privileged import LearnedTeacher
 from studio.training import checkpoint
 from studio.training.device import random_states, restore_random_states
@@ -196,9 +195,7 @@ class PolicyTrainer:
         for i, layer in enumerate(linear):
             out[f"weight_{i}"] = layer.weight.detach().cpu().numpy()
             out[f"bias_{i}"] = layer.bias.detach().cpu().numpy()
-        out = {k: np.ascontiguousarray(v, dtype=np.float32) for k, v in out.items()}
-        foresee = self.env.env.foresee
-        return out | (foresee.tensors() if isinstance(foresee, Foresight) else {})
+        return {k: np.ascontiguousarray(v, dtype=np.float32) for k, v in out.items()}
 
     def manifest(self, **facts: Any) -> dict[str, Any]:
         """The sidecar: how to run the weights, and what they are made of."""

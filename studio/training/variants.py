@@ -31,8 +31,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "no_teacher": {"distil": 0},
     "no_curriculum": {"distil": 0, "curriculum": False},
     "absolute_action": {"action": "absolute"},
-    "true_future": {"future": "true"},
-    "predicted_future": {"future": "predicted"},
+    "true_future": {"future": True},
 }
 """What each changes. A taught policy starts at the last stage, so that a curriculum shows only
 without the teacher: `no_curriculum` is to be read against `no_teacher`."""

@@ -39,7 +39,7 @@ def test_rows_without_weights_are_left_out(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_policy_with_the_true_future_sees_the_clean_reference_ahead(tmp_path: Path) -> None:
     path = weights("sit", "true_future", tmp_path)
-    save_untrained(path, "sit", future="true")
+    save_untrained(path, "sit", future=True)
     who = contender("policy_true_future", "sit", tmp_path)
     assert who is not None
     bank = build_bank("sit", per_task=1, seconds=2.0, difficulties=(1.0,))

@@ -130,7 +130,7 @@ def test_calibrate_finds_size_and_heading_in_spite_of_outliers():
     calibration = calibrate(poses)
     assert calibration.leg_length == pytest.approx(0.9 * LEG_LENGTH, rel=0.03)
     assert calibration.scale == pytest.approx(0.9, rel=0.03)
-    assert calibration.bone_scale == pytest.approx(np.full(18, 0.9), rel=0.05)
+    assert calibration.bone_length == pytest.approx(0.9 * BONE_LENGTH, rel=0.05)
     assert abs(np.angle(np.exp(1j * (calibration.heading - 3.0)))) < 0.06
 
 

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from studio.reference import gait
-from studio.reference.keyframes import JOINT_SPEED, Goal, keyframe_track, minimum_jerk
+from studio.reference.keyframes import Goal, keyframe_track, minimum_jerk
 from studio.reference.marching import Bout, march_track
 from studio.reference.realize import realize
+from studio.reference.stances import JOINT_SPEED
 from studio.reference.tracks import make_track
 
 
@@ -24,7 +25,7 @@ def test_goals_too_far_for_the_joints_take_longer_or_come_nearer():
 
     for seed in range(5):
         track = keyframe_track(np.random.default_rng(seed), "stand", "test", 12.0, far)
-        assert np.max(np.abs(realize(track).joint_vel)) < JOINT_SPEED
+        assert np.max(np.abs(realize(track).joint_vel)) < JOINT_SPEED[track.state]
         assert np.max(track.reach) > 0.8
 
 

@@ -23,7 +23,7 @@ from studio.training.ppo import TorchEnv
 
 QUIET = NoiseConfig(joint_sigma=(0.0, 0.0), repeat=(0.0, 0.0), encoder=0.0, gyro=0.0)
 SHIPPED = ("stand", "walk", "sit")
-OTHERS = ("ablation/walk-predicted_future", "ablation/walk-absolute_action")
+OTHERS = ("ablation/walk-absolute_action",)
 
 
 @cache
@@ -43,7 +43,7 @@ def environment(policy: Policy) -> ImitationEnv:
     )
     stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=0.0)
     curriculum = Curriculum(ladder=[stage])
-    return ImitationEnv(config, bank, seed=1, curriculum=curriculum, foresee=policy.foresee)
+    return ImitationEnv(config, bank, seed=1, curriculum=curriculum)
 
 
 def trained_action(policy: Policy, env: TorchEnv) -> np.ndarray:

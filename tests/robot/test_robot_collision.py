@@ -4,6 +4,7 @@ import numpy as np
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from studio.reference.stances import NEUTRAL
 from studio.robot import a1, kinematics
 from studio.robot.collision import CAPSULES, PAIRS, segment_distance
 
@@ -38,7 +39,7 @@ def test_segment_distance_of_points_parallels_and_crossings():
 
 def test_neutral_stances_are_free_of_collision_and_crossed_feet_are_not():
     assert kinematics.self_collision_distance(a1.STAND_JOINT_POS) > 0.02
-    assert kinematics.self_collision_distance(a1.SIT_JOINT_POS) > 0.02
+    assert kinematics.self_collision_distance(NEUTRAL["sit"].joint_pos) > 0.02
     foot = kinematics.foot_pos_b(a1.STAND_JOINT_POS)
     foot[0, 1] = foot[1, 1] = 0.0  # both front feet on one spot
     crossed, error = kinematics.leg_ik(foot)

@@ -130,7 +130,7 @@ def test_the_runner_needs_neither_studio_nor_many_lines() -> None:
 
 
 def test_a_policy_that_is_given_its_future_is_not_exported(tmp_path: Path) -> None:
-    weights = save_random(tmp_path, ObservationConfig(future=(3,), future_kind="true"))
+    weights = save_random(tmp_path, ObservationConfig(future=(3,)))
     with pytest.raises(StudioError, match="future"):
         export_onnx(weights, tmp_path / "x.onnx")
 

@@ -11,7 +11,6 @@ from studio.retarget.mapper import NUM_RATES, Mapped
 from studio.robot import a1
 
 Array = NDArray[np.float64]
-TARGET_DIM = 12 + 4 + NUM_RATES + 4
 
 
 class FrameMapper(Protocol):

@@ -1,4 +1,4 @@
-"""The experts, one file each: what every state covers."""
+"""The experts, one file each."""
 
 from studio.reference.intent import StateName
 from studio.retarget.states.expert import ExpertSpec

@@ -1,4 +1,4 @@
-"""What an expert is, apart from its weights: its state, what it covers, how fast joints may go."""
+"""What an expert is, apart from its weights: its state, how fast joints may go."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -11,8 +11,8 @@ from studio.reference.intent import StateName
 class ExpertSpec:
     """One state's retargeting expert.
 
-    name: the state. covers: one line for people. speed_limit: rad/s, bound on every joint's speed
-    in the temporal consistency step (the paper: 120 deg/s). trunk_speed: rad/s and root_speed: m/s,
+    name: the state. speed_limit: rad/s, bound on every joint's speed
+    in the temporal consistency step (JOINT_SPEED). trunk_speed: rad/s and root_speed: m/s,
     the same for the trunk: a little less than the joints of standing legs can follow, so that the
     clip of the joints does not tear locked feet off the floor. consistency: how feet lock.
     turn_gain: times the turns that a network says. turns: the trunk's
@@ -21,7 +21,6 @@ class ExpertSpec:
     """
 
     name: StateName
-    covers: str
     speed_limit: float
     trunk_speed: float
     root_speed: float

@@ -2,12 +2,12 @@
 
 import numpy as np
 
+from studio.reference.stances import JOINT_SPEED
 from studio.retarget.states.expert import ExpertSpec
 
 SIT = ExpertSpec(
     name="sit",
-    covers="deep squats and sitting, tilting there, both arms (both paws) at once",
-    speed_limit=float(np.deg2rad(120.0)),
+    speed_limit=JOINT_SPEED["sit"],
     trunk_speed=float(np.deg2rad(75.0)),
     root_speed=0.2,
 )

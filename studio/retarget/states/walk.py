@@ -3,13 +3,12 @@
 import numpy as np
 
 from studio.reference.consistency import ContactConfig
+from studio.reference.stances import JOINT_SPEED
 from studio.retarget.states.expert import ExpertSpec
 
 WALK = ExpertSpec(
     name="walk",
-    covers="marching and jogging in place, turning while marching",
-    # A trot's joints reach 330 to 830 deg/s; at the paper's 120 its feet err 5 to 13 cm.
-    speed_limit=float(np.deg2rad(900.0)),
+    speed_limit=JOINT_SPEED["walk"],
     trunk_speed=float(np.deg2rad(180.0)),
     root_speed=1.5,
     # What a network says of a march is an average over people who step unlike: the root halts at
