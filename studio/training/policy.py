@@ -13,22 +13,38 @@ from typing import Any
 import numpy as np
 from safetensors.numpy import save_file
 
-from studio.control.policy import MODELS, save_policy
+from studio.control.policy import save_policy
 from studio.training.device import threads
 from studio.training.parallel import Crew, join, leave
 from studio.training.policy_settings import PolicyTraining
 from studio.training.policy_trainer import PolicyTrainer
+from studio.training.stages import publish, stages_of
 
 log = logging.getLogger(__name__)
 
 
 def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
-    """Train until `samples` or `hours`; a checkpoint every minute; the object `--json` prints."""
+    """Train every stage of `config`, a checkpoint every minute; the object `--json` prints.
+
+    Until `samples` of each, or `hours` in all; with `resume` each goes on where it stopped.
+    """
     crew = join()
-    config = replace(config, threads=config.threads or crew.threads)
-    with threads(config.threads):  # the command line keeps torch on one, for the live loop
-        answer = _run(config, crew)
+    stages = stages_of(replace(config, threads=config.threads or crew.threads))
+    began = time.monotonic()
+    answer: dict[str, Any] = {}
+    with threads(stages[0].threads):  # the command line keeps torch on one, for the live loop
+        for k, stage in enumerate(stages):
+            left = stage.hours - (time.monotonic() - began) / 3600.0
+            begun = (stage.folder / "checkpoint.safetensors").is_file()
+            # A later stage may not have been reached; that a first one was not is worth saying.
+            resume = stage.resume and (begun or k == 0)
+            log.info("stage %d of %d: %s", k + 1, len(stages), stage.folder)
+            answer = _run(replace(stage, hours=left, resume=resume), crew)
+            if answer["samples"] < stage.samples:
+                break  # its hours were over
     leave()
+    if config.publish and crew.first and answer["samples"] >= stages[-1].samples:
+        publish(stages)
     return answer
 
 
@@ -76,10 +92,6 @@ def _run(config: PolicyTraining, crew: Crew) -> dict[str, Any]:
     _keep(trainer, figures, folder)
     if writer:
         writer.close()
-    if config.publish and crew.first:
-        save_policy(
-            MODELS / f"{config.state}.safetensors", trainer.tensors(), trainer.manifest(scores={})
-        )
     return {
         "state": config.state,
         "samples": trainer.samples,

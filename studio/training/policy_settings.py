@@ -18,86 +18,39 @@ from studio.rl.privileged import PrivilegedEnv
 from studio.rl.reward import RewardConfig
 from studio.training.device import check_device
 from studio.training.ppo import PAPER, PpoConfig
+from studio.training.recipes import RECIPES, PolicyName, Recipe
 from studio.training.retargeted import with_people
 
 Preset = Literal["default", "paper"]
-PolicyName = Literal["stand", "walk", "sit", "all"]
-"""An expert's state, or "all": one monolithic policy of every state."""
 BANKS = Path("runs/banks")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Recipe:
-    """What one expert is trained with unless told otherwise.
-
-    distil: samples learnt from the teacher before PPO. Sitting, the teacher itself falls on slopes
-    (success .88 against .99 of PPO's policy): it has no sense of balance, and four feet need none.
-    heading_gain, place_gain: 1/s, and heading_smooth: s, see `observation.History`; who sits turns
-    by 3.5 degrees, which is less than the reference's noise. Nobody holds its place, and a walk's
-    heading steers only as its mean over a second: both excited the gait until the robot fell
-    (`evaluate endurance`). init_heading, steep: see EnvConfig.
-    anchor_tau, anchor_yaw_tau: s, see EnvConfig: walking at 0.5 s, a speed that is 0.08 m/s short
-    costs 3 % of the reward, at 3 s 68 %; sitting at 0.5 s, nothing asks for a trunk that stays
-    turned. noise_low: rad, least σ of the reference noise: a
-    policy that has only met noise reads small tilts as noise. root_ori: scale of that reward term.
-    unrest: how much of a motion that went before
-    the trunk may still have at the start, as a share of a walk's: a robot that sits down stood.
-    mirror_loss: see PpoConfig; the weights then run symmetric (`policy.Symmetric`), or a robot
-    that is asked to walk straight turns by some degrees a second.
-    """
-
-    distil: int = 800_000
-    heading_gain: float = 0.0
-    heading_smooth: float = 0.0
-    init_heading: float = 0.3
-    steep: float = 0.0
-    place_gain: float = 0.0
-    anchor_tau: float = 0.5
-    anchor_yaw_tau: float = 0.5
-    noise_low: float = 0.0
-    root_ori: float = 5.0
-    unrest: float = 1.0
-    mirror_loss: float = 1.0
-
-
-RECIPES: dict[PolicyName, Recipe] = {
-    "stand": Recipe(),
-    "walk": Recipe(heading_gain=0.6, heading_smooth=1.0, anchor_tau=3.0, anchor_yaw_tau=5.0),
-    "sit": Recipe(
-        distil=0,
-        heading_gain=1.0,
-        init_heading=0.05,
-        anchor_yaw_tau=10.0,
-        root_ori=80.0,
-        unrest=0.3,
-        steep=0.4,
-    ),
-    "all": Recipe(),
-}
 
 
 @dataclass(frozen=True, kw_only=True)
 class PolicyTraining:
     """`a1-studio train policy`.
 
-    state: which expert, or "all" for one monolithic policy. preset: "paper" for the paper's PPO.
-    samples: control steps in all, over every environment and every resumed part; hours: stop
-    earlier, after so long. threads: of physics and learner, 0 for every core (beside other busy
-    programs fewer are faster: they wait for each other). device: where the networks learn, by
-    torch's name (cpu, cuda, cuda:1, mps); the physics stays on the processor. A checkpoint goes on
-    on any device.
+    state: which expert, or "all" for one monolithic policy; what makes the shipped ones are the
+    defaults, some of them their stages' own (`stages`: sitting trains a teacher first). preset:
+    "paper" for the paper's PPO. samples: control steps of each stage, over every environment and
+    every resumed part; hours: stop earlier, after so long in all. threads: of physics and learner,
+    0 for every core (beside other busy programs fewer are faster: they wait for each other).
+    device: where the networks learn, by torch's name (cpu, cuda, cuda:1, mps); the physics stays on
+    the processor. A checkpoint goes on on any device.
 
     run: folder of checkpoint, curve and TensorBoard files (default runs/policy-STATE, or
-    runs/teacher-STATE for a teacher). resume: go on from the run's checkpoint, or from
-    `checkpoint`, and `explore`: with actions spread by so much, in units of action, None for the
-    checkpoint's own (what is told apart by less than the spread is learnt slowly). publish: write
-    the weights to models/policy/STATE.safetensors too (always to the run's folder).
+    runs/teacher-STATE for a teacher). resume: go on where the run's stages stopped; checkpoint: go
+    on from this one, and `explore`: with actions spread by so much, in units of action, None for
+    the checkpoint's own (what is told apart by less than the spread is learnt slowly). publish:
+    copy what was made to models/policy too (always to the run's folder).
 
     curriculum, randomise, yaw_rate, action, future: what the ablations switch; future: give the
     policy its true reference 0.1, 0.2 and 0.3 s ahead. gate, patience: see Curriculum.
     crossings: motions out of each other state a difficulty, 0 for none. people: whose motions,
     as the mapper retargets them, join the library's for walking and sitting. push: m/s, the largest
     kick (EnvConfig). clean: share of the episodes whose reference has no noise.
+
+    variant: a second policy of the ablation (`variants`): a plain recipe with one change, published
+    to models/policy/ablation.
 
     recipe: of the state, None for its own. distil: samples learnt from a teacher before PPO, None
     for the recipe's (the paper's preset has none). teacher: whose, the teacher.safetensors of a run
@@ -118,6 +71,7 @@ class PolicyTraining:
     resume: bool = False
     checkpoint: Path | None = None
     publish: bool = False
+    variant: str | None = None
     curriculum: bool = True
     randomise: bool = True
     yaw_rate: bool = True
@@ -147,7 +101,9 @@ class PolicyTraining:
         check_device(self.device)
         if self.privileged and self.publish:
             raise StudioError("a privileged teacher cannot run on a robot: leave --publish off")
-        if self.teacher and not self.lessons:
+        if self.teacher and self.privileged:
+            raise StudioError("a teacher is not taught: leave out --teacher or --privileged")
+        if self.teacher and self.distil == 0:
             raise StudioError("--teacher teaches for --distil samples: give them")
 
     @property

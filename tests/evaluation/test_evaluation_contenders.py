@@ -15,10 +15,12 @@ from studio.reference.intent import STATES
 from studio.rl.bank import build_bank
 from studio.rl.env_config import EnvConfig
 from studio.training.distil import DistilConfig
-from studio.training.policy_settings import PolicyTraining, Recipe, make_environment
+from studio.training.policy_settings import PolicyTraining, make_environment
 from studio.training.policy_trainer import PolicyTrainer
 from studio.training.ppo import PpoConfig
-from studio.training.variants import VARIANTS, Variant, publish, settings_of, weights
+from studio.training.recipes import Recipe
+from studio.training.stages import stages_of
+from studio.training.variants import VARIANTS, publish, weights
 
 TINY = {"num_envs": 4, "threads": 1, "motions_per_task": 1, "crossings": 0, "people": 0}
 
@@ -65,13 +67,13 @@ def test_the_monolithic_policy_meets_every_state_levelled_as_standing(tmp_path: 
 
 
 def test_every_variant_changes_one_thing_of_one_recipe() -> None:
-    full = settings_of(Variant(state="walk", name="full"))
+    full = stages_of(PolicyTraining(state="walk", variant="full"))[0]
     for name in VARIANTS:
-        config = settings_of(Variant(state="walk", name=name))
+        config = stages_of(PolicyTraining(state="walk", variant=name))[0]
         changed = [
             key
             for key in vars(config)
-            if key != "run" and getattr(config, key) != getattr(full, key)
+            if key not in ("run", "variant") and getattr(config, key) != getattr(full, key)
         ]
         assert len(changed) <= 2, name
         assert config.samples == 3_000_000
@@ -94,7 +96,7 @@ def test_every_shipped_variants_sidecar_is_true(file: Path) -> None:
     state, name = file.stem.split("-")
     facts = json.loads(file.read_text())
     assert facts["variant"] == {"name": name, "changes": VARIANTS[name]}
-    told = settings_of(Variant(state=state, name=name))  # type: ignore[arg-type]
+    told = stages_of(PolicyTraining(state=state, variant=name))[0]  # type: ignore[arg-type]
     # Lessons end with a whole rollout; sidecars that do not tell them say what was asked for.
     each = DistilConfig.horizon * told.num_envs
     whole = each * -(-told.lessons // each)

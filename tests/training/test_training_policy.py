@@ -17,9 +17,10 @@ from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
 from studio.training import checkpoint
 from studio.training.policy import run_train_policy
-from studio.training.policy_settings import PolicyTraining, Recipe
+from studio.training.policy_settings import PolicyTraining
 from studio.training.policy_trainer import PolicyTrainer
 from studio.training.ppo import PAPER, PpoConfig, TorchEnv, collect, make_algorithm
+from studio.training.recipes import Recipe
 
 SMALL = PpoConfig(horizon=6, epochs=1, minibatch=48, hidden=(32, 32))
 
@@ -274,7 +275,9 @@ def test_a_teacher_is_not_published_and_wants_samples_to_teach_in() -> None:
     with pytest.raises(StudioError, match="--publish"):
         PolicyTraining(state="sit", privileged=True, publish=True)
     with pytest.raises(StudioError, match="--distil"):
-        PolicyTraining(state="sit", teacher=Path("teacher.safetensors"))
+        PolicyTraining(state="sit", teacher=Path("teacher.safetensors"), distil=0)
+    with pytest.raises(StudioError, match="--privileged"):
+        PolicyTraining(state="sit", teacher=Path("teacher.safetensors"), privileged=True)
 
 
 @pytest.mark.slow

@@ -31,6 +31,7 @@ def settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PolicyTraining:
         motions_per_task=1,
         crossings=0,
         people=0,
+        distil=0,
         run=Path("runs/tiny"),
         checkpoint_seconds=0.0,
         ppo=PpoConfig(horizon=6, epochs=1, minibatch=12, hidden=(8, 8)),

@@ -1,0 +1,84 @@
+"""One command makes a shipped policy: which stages it has, what they are told, that they go on."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from studio.errors import StudioError
+from studio.training import checkpoint, stages
+from studio.training.policy import run_train_policy
+from studio.training.policy_settings import PolicyTraining
+from studio.training.ppo import PpoConfig
+from studio.training.stages import stages_of
+
+LESSON = 4 * 24
+"""Samples of one lesson of four robots."""
+
+
+def test_sitting_trains_a_teacher_and_then_what_it_teaches():
+    teacher, policy = stages_of(PolicyTraining(state="sit", publish=True, threads=2))
+    assert (teacher.privileged, teacher.samples, teacher.crossings) == (True, 4_800_000, 48)
+    assert (teacher.push, teacher.ppo.gamma, teacher.publish) == (0.2, 0.97, False)
+    assert policy.teacher == teacher.folder / "teacher.safetensors"
+    assert (policy.lessons, policy.warmup, policy.clean) == (3_000_000, 80, 0.25)
+    assert (policy.ppo.gamma, policy.ppo.desired_kl) == (0.98, 0.01)
+    assert teacher.threads == policy.threads == 2
+    assert teacher.folder != policy.folder
+
+
+def test_what_was_told_holds_in_every_stage():
+    told = PolicyTraining(state="sit", crossings=5, samples=10, ppo=PpoConfig(gamma=0.5))
+    for stage in stages_of(told):
+        assert (stage.crossings, stage.samples, stage.ppo.gamma) == (5, 10, 0.5)
+    assert stages_of(told)[1].ppo.max_learning_rate == 3e-4
+
+
+def test_parts_of_a_recipe_can_be_run_alone():
+    teacher, policy = stages_of(PolicyTraining(state="sit"))
+    assert stages_of(PolicyTraining(state="sit", privileged=True)) == [teacher]
+    assert stages_of(PolicyTraining(state="sit", teacher=policy.teacher)) == [policy]
+    (stand,) = stages_of(PolicyTraining(state="stand"))
+    assert (stand.push, stand.lessons) == (0.6, 800_000)
+    for own in (
+        PolicyTraining(state="sit", distil=0),
+        PolicyTraining(state="walk", preset="paper"),
+        PolicyTraining(state="walk", checkpoint=Path("c.safetensors")),
+    ):
+        assert stages_of(own) == [own]
+    with pytest.raises(StudioError, match="no_teacher"):
+        stages_of(PolicyTraining(state="walk", variant="no_teachers"))
+
+
+@pytest.mark.slow
+def test_stages_run_one_after_the_other_are_gone_on_with_and_published(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(stages, "MODELS", tmp_path / "models")
+    monkeypatch.setitem(stages.POLICY, "sit", {**stages.POLICY["sit"], "distil": LESSON})
+    tiny = PpoConfig(horizon=6, epochs=1, minibatch=12, hidden=(8, 8))
+    config = PolicyTraining(
+        state="sit", samples=LESSON + 24, num_envs=4, motions_per_task=1, crossings=1, people=0,
+        threads=1, ppo=tiny, publish=True,
+    )  # fmt: skip
+
+    stopped = run_train_policy(replace(config, hours=1e-9))
+    assert stopped["run"] == "runs/teacher-sit"  # the hours of all were over in the first stage
+    assert not (tmp_path / "models").exists()
+
+    done = run_train_policy(replace(config, resume=True))
+    assert (done["run"], done["samples"]) == ("runs/policy-sit", LESSON + 24)
+    assert checkpoint.load(Path("runs/teacher-sit/checkpoint.safetensors"))[1]["samples"] == 120
+    manifest = json.loads((tmp_path / "models" / "sit.json").read_text())
+    assert (manifest["teacher"], manifest["lessons"], manifest["samples"]) == ("learned", 96, 120)
+    made = sorted(str(p.relative_to("models")) for p in Path("models").rglob("*.safetensors"))
+    assert made == ["checkpoints/sit.safetensors", "sit.safetensors", "teachers/sit.safetensors"]
+
+    again = run_train_policy(replace(config, resume=True))
+    assert again["samples"] == done["samples"]  # nothing is left to do
+    variant = replace(config, variant="no_randomisation", samples=24, resume=False)
+    run_train_policy(replace(variant, distil=0))
+    sidecar = tmp_path / "models" / "ablation" / "sit-no_randomisation.json"
+    assert json.loads(sidecar.read_text())["variant"]["changes"] == {"randomise": False}
