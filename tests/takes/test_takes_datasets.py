@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import time
 from dataclasses import replace
 from pathlib import Path
 
@@ -234,18 +233,3 @@ def test_the_folder_of_data_sets_is_no_take(library: SessionLibrary):
     assert [info.name for info in library.list()] == ["sit_manipulate", "tilt", "walk"]
     with pytest.raises(StudioError, match="no name for a take"):
         library.folder("datasets")
-
-
-@pytest.mark.slow
-def test_pairs_cost_grows_linearly_with_a_take(tmp_path: Path):
-    """Twice and four times the take cost no more than 1.5 times as much a pair."""
-    rng = np.random.default_rng(0)
-    per_pair = []
-    for i, seconds in enumerate((10.0, 20.0, 40.0)):
-        acted = acted_take("tilt", rng, seconds=seconds, lag=0.2, sensor="mocap")
-        record(acted, tmp_path, f"t{i}")
-        SessionLibrary(tmp_path).edit(f"t{i}", lag=0.2)
-        begin = time.process_time()
-        found = pairs.take_pairs(SessionLibrary(tmp_path), f"t{i}")
-        per_pair.append((time.process_time() - begin) / len(found))
-    assert max(per_pair[1:]) < 1.5 * per_pair[0]

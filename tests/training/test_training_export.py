@@ -144,18 +144,3 @@ def test_damaged_weights_are_refused(weights: Path) -> None:
     weights.write_bytes(b"nonsense")
     with pytest.raises(StudioError, match="cannot be read"):
         Policy.load(weights)
-
-
-def test_inference_takes_a_small_part_of_the_period(weights: Path) -> None:
-    import time
-
-    policy = Policy.load(weights)
-    rng = np.random.default_rng(1)
-    reference, robot = poses(rng, 0)
-    policy.reset(reference, robot)
-    spent = []
-    for _ in range(200):
-        began = time.perf_counter()
-        policy.action(reference, robot)
-        spent.append(time.perf_counter() - began)
-    assert np.median(spent) < 2e-3  # 6 % of a period, on a busy machine too
