@@ -79,7 +79,7 @@ def publish(stages: list[PolicyTraining]) -> None:
     name = f"{last.state}.safetensors"
     weights = last.folder / "policy.safetensors"
     if last.variant:
-        target = variants.weights(last.state, last.variant)
+        target = variants.weights(last.state, last.variant, MODELS)
         target.parent.mkdir(parents=True, exist_ok=True)
         variants.publish(weights, target, last.variant)
         return
