@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 from studio import cli, options
+from studio.cli.output import give
 from studio.control.trackers import CONTROLLERS
 from studio.errors import StudioError
+from studio.evaluation.registry import TABLES
 from studio.reference.intent import STATES
 
 
@@ -76,6 +78,13 @@ def test_the_choices_that_help_lists_are_those_that_there_are():
         ["evaluate"],
         ["evaluate", "nothing"],
         ["evaluate", "nothing", "--json", "-"],
+        ["evaluate", "composite"],  # not built
+        ["evaluate", "tilt", "--style", "circles"],
+        ["evaluate", "endurance", "--clips", "."],
+        ["evaluate", "people"],
+        ["evaluate", "all", "--style", "circles"],
+        ["export"],
+        ["export", "mapper"],
     ],
 )
 def test_bad_usage_is_exit_status_2_and_says_something(argv, capsys):
@@ -95,6 +104,10 @@ def test_bad_usage_is_exit_status_2_and_says_something(argv, capsys):
         ["drive", "--source", "stream", "--seconds", "1"],
         ["drive", "--source", "operator", "--seconds", "-3"],
         ["takes", "show", "nothing"],
+        ["evaluate", "endurance", "--source", "telepathy"],
+        ["evaluate", "people", "--clips", "/nowhere"],
+        ["export", "policy", "--state", "fly"],
+        ["report"],
         ["train", "policy", "--state", "sit", "--device", "cuda:99"],
     ],
 )
@@ -104,6 +117,29 @@ def test_what_fails_is_exit_status_1_and_one_line(argv, tmp_path, monkeypatch, c
     assert status == 1
     assert len(err.strip().splitlines()) == 1
     assert not out
+
+
+def test_an_option_that_a_table_has_not_is_answered_with_those_it_has(capsys):
+    err = run("evaluate", "tilt", "--style", "circles", capsys=capsys)[2]
+    assert "evaluate tilt takes --seed, --episodes" in err
+    status, out, _ = run("evaluate", "endurance", "--help", capsys=capsys)
+    assert status == 0
+    for option in ("episodes", "seed", "seconds", "source", "controller", "threads"):
+        assert f"--{option}" in out
+    assert "--clips" not in out
+
+
+def test_the_tables_are_listed_with_what_they_tell(capsys):
+    status, out, _ = run("evaluate", "--help", capsys=capsys)
+    assert status == 0
+    assert all(f"  {name} " in out for name in (*TABLES, "all"))
+
+
+def test_a_policy_is_exported_by_a_command(tmp_path, capsys):
+    out = tmp_path / "stand.onnx"
+    argv = ("export", "policy", "--state", "stand", "--out", str(out), "--json", "-")
+    status, text, _ = run(*argv, capsys=capsys)
+    assert (status, json.loads(text)["bytes"]) == (0, out.stat().st_size)
 
 
 def test_json_to_standard_output_is_one_object_and_nothing_else(capsys):
@@ -175,7 +211,7 @@ def test_every_failure_message_fits_a_line(monkeypatch, capsys):
 
 
 def test_json_is_strict_null_stands_for_what_is_not_finite(capsys):
-    cli._give({"rows": [{"a": float("nan"), "b": np.float32("inf"), "c": (1.5,)}]}, "-")
+    give({"rows": [{"a": float("nan"), "b": np.float32("inf"), "c": (1.5,)}]}, "-")
     out = json.loads(capsys.readouterr().out, parse_constant=pytest.fail)
     assert out == {"rows": [{"a": None, "b": None, "c": [1.5]}]}
 

@@ -5,23 +5,21 @@ temporal consistency switched off in turn. Training: second policies at 3 millio
 with one thing changed (`studio/training/variants.py`); `full` is the recipe stopped there.
 
     a1-studio evaluate ablation
-    python -m studio.evaluation.ablation models/policy/ablation.png      (and draws the chart)
+    a1-studio evaluate ablation --figure models/policy/ablation.png      (and draws the chart)
 """
 
-import json
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-import tyro
 from numpy.typing import NDArray
 
 from studio.control.controller import SPEED_LIMIT
 from studio.control.policy import MODELS
 from studio.evaluation.contenders import Contender, baseline, contender, trained
 from studio.evaluation.disturbed import disturbed
+from studio.evaluation.options import PolicyOptions
 from studio.evaluation.tracking import CACHE, Job, Motions, compare, library, names_of
 from studio.reference.intent import STATES, StateName
 from studio.reference.stances import JOINT_SPEED
@@ -41,29 +39,38 @@ TRAINED: StateName = "walk"
 """The state whose variants are trained: the one that asks most of a policy."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Options(PolicyOptions):
+    """Of `evaluate ablation`."""
+
+    states: tuple[StateName, ...] = STATES
+    """Whose shipped policies meet the disturbed references."""
+    figure: Path | None = None
+    """Also draw the rows as bars into this file (.png)."""
+
+
 def run_ablation(
-    episodes: int = 1024,
-    seed: int = 0,
+    options: Options = Options(),
     *,
-    states: Sequence[StateName] | str = STATES,
-    threads: int | str = 0,
     models: Path = MODELS,
     cache: Path | None = CACHE,
     progress: bool = True,
 ) -> dict[str, Any]:
     """`{"rows": [...]}` as `tracking` has them, each with its `kind` (test or training) and
     `variant`. Variants that are not trained are left out."""
+    settings = (options.episodes, options.seed, options.threads, cache, progress)
     rows = []
-    for state in cast(list[StateName], names_of("state", states, STATES)):
+    for state in cast(list[StateName], names_of("state", options.states, STATES)):
         who = [baseline("pd_playback"), contender("policy", state, models)]
         jobs: list[Job] = [(state, each) for each in who if each is not None]
         for name, motions in _test_time(state).items():
-            done = compare(jobs, episodes, seed, int(threads), cache, progress, motions)
+            done = compare(jobs, *settings, motions)
             rows += [{"kind": "test", "variant": name, **row} for row in done]
-    settings = (episodes, seed, int(threads), cache, progress)
     for name, who in trained_variants(models).items():
         done = compare([(TRAINED, who)], *settings)
         rows += [{"kind": "training", "variant": name, **row} for row in done]
+    if options.figure is not None:
+        draw_chart(rows, options.figure)
     return {"rows": rows}
 
 
@@ -148,13 +155,3 @@ def draw_chart(rows: list[dict[str, Any]], out: Path) -> Path:
     figure.savefig(out, dpi=130)
     plt.close(figure)
     return out
-
-
-def _main(out: tyro.conf.Positional[Path], episodes: int = 1024, rows: Path | None = None) -> None:
-    """Draw the chart to OUT; rows: a result of `evaluate ablation --json` to draw from."""
-    found = json.loads(rows.read_text()) if rows else run_ablation(episodes)
-    draw_chart(found["rows"], out)
-
-
-if __name__ == "__main__":
-    tyro.cli(_main)

@@ -21,7 +21,9 @@ from studio.control.staleness import stale_command
 from studio.control.trackers.policy import PolicyTracker
 from studio.errors import StudioError
 from studio.evaluation.impaired import IMPAIRMENTS, Impaired
+from studio.evaluation.options import TableOptions
 from studio.human.calibration import calibrate
+from studio.options import ControllerName
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import STATES
 from studio.robot.a1 import CONTROL_DT
@@ -33,7 +35,6 @@ Array = NDArray[np.float64]
 DynamicsName = Literal["nominal", "table_i"]
 FIRST_SEED = 100
 """Operators are drawn from here on."""
-PEOPLE, SECONDS = 20, 300.0
 LIE_S = 3.0
 """s that a fallen robot lies before it is stood up."""
 WINDOW = 60
@@ -92,35 +93,38 @@ class Run:
     made: tuple[float, ...]
 
 
-def run_endurance(
-    *,
-    episodes: int | None = None,
-    seed: int = 0,
-    seconds: float | None = None,
-    source: str | None = None,
-    controller: str | None = None,
-    threads: int | None = None,
-) -> dict[str, Any]:
-    """`{"rows": [...]}`, a row per Case: `episodes` people (20) of `seconds` (300) each.
+@dataclass(frozen=True, kw_only=True)
+class Options(TableOptions):
+    """Of `evaluate endurance`."""
 
-    source, controller: only the cases with these. StudioError where no case is left.
-    """
+    episodes: int = 20
+    """People who drive, a case."""
+    seconds: float = 300.0
+    """How long each drives."""
+    source: str | None = None
+    """Only the cases with this source: operator or operator:walk."""
+    controller: ControllerName | None = None
+    """Only the cases with this controller."""
+    threads: int = 0
+    """Processes to use; 0: one a core."""
+
+
+def run_endurance(options: Options = Options()) -> dict[str, Any]:
+    """`{"rows": [...]}`, a row per Case. StudioError where no case is left."""
     cases = [
         case
         for case in CASES
-        if source in (None, case.source) and controller in (None, case.controller)
+        if options.source in (None, case.source) and options.controller in (None, case.controller)
     ]
     if not cases:
         known = sorted({f"{c.source} by {c.controller}" for c in CASES})
         raise StudioError(f"no such case: choose source and controller of {', '.join(known)}")
-    people = [FIRST_SEED + seed + k for k in range(episodes or PEOPLE)]
-    how_long = seconds or SECONDS
-    jobs = [(case, person, how_long) for case in cases for person in people]
-    runs = list(_each(jobs, threads or os.cpu_count() or 1))
+    people = [FIRST_SEED + options.seed + k for k in range(options.episodes)]
+    jobs = [(case, person, options.seconds) for case in cases for person in people]
+    runs = list(_each(jobs, options.threads or os.cpu_count() or 1))
     count = len(people)
-    return {
-        "rows": [row(case, runs[i * count : (i + 1) * count], seed) for i, case in enumerate(cases)]
-    }
+    each = [runs[i * count : (i + 1) * count] for i in range(len(cases))]
+    return {"rows": [row(case, own, options.seed) for case, own in zip(cases, each, strict=True)]}
 
 
 def _each(jobs: list[tuple[Case, int, float]], processes: int) -> Iterable[Run]:

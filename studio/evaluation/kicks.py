@@ -4,6 +4,7 @@
 random moment between 1 and 6 s; the episode then goes on to its 10 s.
 """
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from studio.control.policy import MODELS
 from studio.evaluation.contenders import contender
+from studio.evaluation.options import PolicyOptions
 from studio.evaluation.tracking import HELD_OUT, library
 from studio.reference.intent import StateName
 from studio.rl import episodes as simulate
@@ -21,11 +23,18 @@ CONTROLLERS = ("pd_playback", "policy")
 MOMENTS_S = (1.0, 6.0)
 
 
-def run_kicks(
-    episodes: int = 256, seed: int = 0, *, threads: int | str = 0, models: Path = MODELS
-) -> dict[str, Any]:
+@dataclass(frozen=True, kw_only=True)
+class Options(PolicyOptions):
+    """Of `evaluate kicks`."""
+
+    episodes: int = 256
+    """Episodes a row."""
+
+
+def run_kicks(options: Options = Options(), *, models: Path = MODELS) -> dict[str, Any]:
     """`{"rows": [...]}` per state and controller: the share of episodes `survived` to their end,
     kicked, and `survived_unkicked` of the same episodes without the kick."""
+    episodes, seed = options.episodes, options.seed
     rows = []
     for state, size in KICK_M_S.items():
         bank = library(state, episodes, HELD_OUT + 1000 * seed + 500)
@@ -42,7 +51,7 @@ def run_kicks(
                     seed,
                     randomisation=0.0,
                     noise=0.0,
-                    threads=int(threads),
+                    threads=options.threads,
                     settings=who.settings,
                 )
                 first, last = (round(30.0 * moment) for moment in MOMENTS_S)

@@ -1,18 +1,18 @@
 """The synthetic operator beside real people: 5th to 95th percentiles of q, q̇, q̈, as a figure.
 
-`python -m studio.evaluation.operator_statistics --clips DIR` draws it into `models/`.
+`a1-studio evaluate operator_statistics --clips DIR --figure models/operator_statistics.png`
 """
 
-import argparse
 import json
-import logging
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
+from studio.evaluation.options import TableOptions
 from studio.human.calibration import calibrate
 from studio.human.features import FEATURE_NAMES, clip_features
 from studio.human.pose import HumanClip
@@ -22,11 +22,12 @@ from studio.reference.intent import STATES
 from studio.reference.library import TASKS
 from studio.synthetic import Person, exercise, labels, play, squats
 from studio.synthetic.signals import of_track
+from studio.training.machine import commit
 
 Array = NDArray[np.float64]
-log = logging.getLogger(__name__)
 
 ORDERS = ("q", "q̇", "q̈")
+COVERED = ("position_coverage", "velocity_coverage", "acceleration_coverage")
 LOW, HIGH = 5.0, 95.0
 
 
@@ -91,6 +92,42 @@ def operator_features(
             for name, parts in found.items():
                 parts.append(triplet[:, state == name])
     return {state: np.concatenate(parts, axis=1) for state, parts in found.items()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(TableOptions):
+    """Of `evaluate operator_statistics`."""
+
+    clips: Path
+    """Folder of labelled real motion clips."""
+    episodes: int = 12
+    """Synthetic people."""
+    family: str = "default"
+    """Of the synthetic people: default or held_out."""
+    figure: Path | None = None
+    """Also draw the ranges into this file (.png)."""
+
+
+def run_operator_statistics(options: Options) -> dict[str, Any]:
+    """`{"rows": [...]}` per state: the share of the real ranges that the operator covers."""
+    found = operator_statistics(options.clips, options.episodes, options.seed, options.family)
+    if options.figure is not None:
+        plot(found, options.figure)
+    made_by = commit()
+    return {
+        "rows": [
+            {
+                "state": state,
+                "controller": "synthetic operator",
+                "seed": options.seed,
+                "episodes": options.episodes,
+                "commit": made_by,
+                "frames": ranges.frames,
+                **dict(zip(COVERED, map(float, ranges.coverage.mean(axis=1)), strict=True)),
+            }
+            for state, ranges in found.items()
+        ]
+    }
 
 
 def operator_statistics(
@@ -183,24 +220,3 @@ def _drawing_order() -> list[int]:
 def _part_edges(order: list[int]) -> list[int]:
     parts = [_part(FEATURE_NAMES[i]) for i in order]
     return [i for i in range(1, len(parts)) if parts[i] != parts[i - 1]]
-
-
-def main() -> None:
-    """Draw the figure and log how much of the real ranges the operator covers."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--clips", type=Path, required=True, help="folder of labelled real clips")
-    parser.add_argument("--out", type=Path, default=Path("models/operator_statistics.png"))
-    parser.add_argument("--people", type=int, default=12)
-    parser.add_argument("--family", default="default")
-    parser.add_argument("--seed", type=int, default=0)
-    args = parser.parse_args()
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
-    statistics = operator_statistics(args.clips, args.people, args.seed, args.family)
-    plot(statistics, args.out)
-    for state, ranges in statistics.items():
-        share = 100.0 * ranges.coverage.mean(axis=1)
-        log.info("%-5s covers q %.0f %%, q̇ %.0f %%, q̈ %.0f %%", state, *share)
-
-
-if __name__ == "__main__":
-    main()

@@ -7,19 +7,20 @@ temporal consistency; "without contact" rows let the mapped velocity carry the r
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry, metrics
-from studio.errors import unknown_name
+from studio.evaluation.options import TableOptions
 from studio.evaluation.pair_methods import SIZES, Fitted, fit_methods, spread
+from studio.options import Style
 from studio.reference.intent import STATES, StateName
 from studio.retarget.baselines.foot_height import contact_by_height
 from studio.retarget.foothold_planner import Planting
 from studio.retarget.mapper import RATES, Mapped
-from studio.retarget.store import STYLES, load_experts
+from studio.retarget.store import load_experts
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT
 from studio.training.machine import commit
@@ -50,33 +51,42 @@ class Performed:
         return kinematics.foot_pos_w(self.base_pos, self.base_quat, self.joint_pos)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Options(TableOptions):
+    """Of `evaluate pairs`."""
+
+    episodes: int = 12
+    """Held-out performances of 10 s a state."""
+    style: Style = "march"
+    """Which human motion means walking."""
+    train_seconds: float = 300.0
+    """Of a state's pairs that all methods are fitted to."""
+    steps: int = 1200
+    """Gradient steps a state of the networks."""
+    sizes: tuple[int, ...] = SIZES
+    """Numbers of pairs to fit to, besides all of them."""
+    states: tuple[StateName, ...] = STATES
+    """Which experts."""
+
+
 def run_pairs(
-    *,
-    episodes: int | None = None,
-    seed: int = 0,
-    style: str = "march",
-    train_seconds: float = 300.0,
-    steps: int = 1200,
-    sizes: tuple[int, ...] = SIZES,
-    states: tuple[StateName, ...] = STATES,
-    tick: Callable[[str], None] = log.info,
-    **_: Any,
+    options: Options = Options(), *, tick: Callable[[str], None] = log.info
 ) -> dict[str, Any]:
-    """Rows per state, method and number of pairs; episodes: held-out performances of 10 s a state
-    (default 12).
+    """Rows per state, method and number of pairs.
 
     All methods are fitted to the same pairs of the default family, `sizes` of a state's
     `train_seconds` and all of them, the networks in `steps` gradient steps a state (see
     `pair_methods`); "expert" alone is the shipped one. All are scored on the family "held_out".
     """
+    seed, style, states = options.seed, options.style, options.states
     made_by = commit()
     shipped = load_experts(style)
-    known = {s: make_pairs(s, train_seconds, seed, style) for s in states}
+    known = {s: make_pairs(s, options.train_seconds, seed, style) for s in states}
     held = {
-        s: make_pairs(s, 10.0 * (episodes or 12), seed + HELD_OUT_SEED, style, "held_out")
+        s: make_pairs(s, 10.0 * options.episodes, seed + HELD_OUT_SEED, style, "held_out")
         for s in states
     }
-    training = MapperTraining(style=_style(style), seed=seed, steps=steps, resume=False)
+    training = MapperTraining(style=style, seed=seed, steps=options.steps, resume=False)
     rows: list[dict[str, Any]] = []
 
     def add(state: StateName, case: str, fitted: Fitted, *, by_height: bool = False) -> None:
@@ -98,7 +108,7 @@ def run_pairs(
         )
         tick(f"{state} {case}: {rows[-1]['joint_rmse_deg']:.1f} deg")
 
-    for size in (*sizes, None):
+    for size in (*options.sizes, None):
         said = "all pairs" if size is None else f"{size} pairs"
         methods = fit_methods({s: spread(known[s], size) for s in states}, training)
         for state, fitted in methods.items():
@@ -120,12 +130,6 @@ def run_pairs(
 def clips_of(pairs: PairSet) -> list[PairSet]:
     """The performances of a set, one by one."""
     return [pairs.take(pairs.clip == c) for c in np.unique(pairs.clip)]
-
-
-def _style(style: str) -> Literal["march", "circles", "semantic"]:
-    if style not in STYLES:
-        raise unknown_name("style", style, STYLES)
-    return style  # type: ignore[return-value]
 
 
 def by_foot_height(mapped: Mapped) -> Mapped:

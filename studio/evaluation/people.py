@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from studio.control.command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport
+from studio.evaluation.options import TableOptions
 from studio.human.calibration import calibrate
+from studio.options import ControllerName, Style
 from studio.puppeteer import Puppeteer
 from studio.reference.stances import NEUTRAL, tilt_of
 from studio.retarget.states import EXPERTS
@@ -38,29 +40,23 @@ GOAL_DROP = 0.04
 
 
 @dataclass(frozen=True, kw_only=True)
-class PeopleConfig:
-    """clips: a folder with labels.json. style, controller, seed: as in `drive`."""
+class Options(TableOptions):
+    """Of `evaluate people`."""
 
     clips: Path
-    style: str = "march"
-    controller: str | None = None
-    seed: int = 0
+    """Folder of real motion clips with a labels.json."""
+    episodes: int | None = None
+    """At most so many of the clips, the first ones (default: all)."""
+    style: Style = "march"
+    """Which human motion means walking."""
+    controller: ControllerName | None = None
+    """What turns the reference into an action (default: policy once trained)."""
 
 
-def run_people(
-    *,
-    clips: Path | None = None,
-    seed: int = 0,
-    style: str = "march",
-    controller: str | None = None,
-    **_: Any,
-) -> dict[str, Any]:
+def run_people(options: Options) -> dict[str, Any]:
     """A row per clip and one for all together (case "all"). StudioError without labelled clips."""
-    if clips is None:
-        raise StudioError("evaluate people needs --clips DIR: a folder of clips with a labels.json")
-    config = PeopleConfig(clips=Path(clips), style=style, controller=controller, seed=seed)
-    labels = read_labels(config.clips)
-    rows = [clip_row(config, name, intervals) for name, intervals in labels.items()]
+    labels = list(read_labels(options.clips).items())[: options.episodes]
+    rows = [clip_row(options, name, intervals) for name, intervals in labels]
     rows.append(overall(rows) | {"episodes": len(rows)})
     made_by = commit()
     return {"rows": [{"episodes": 1, **row, "commit": made_by} for row in rows]}
@@ -87,12 +83,12 @@ def frame_labels(t: NDArray, intervals: list[dict[str, Any]]) -> list[str]:
     return out
 
 
-def drive_clip(config: PeopleConfig, name: str) -> list[Tick]:
+def drive_clip(options: Options, name: str) -> list[Tick]:
     """Every tick of a clip, to its end even if the robot falls on the way."""
     kind = "bvh" if name.endswith(".bvh") else "frames"
-    source = open_source(f"{kind}:{config.clips / name}", seed=config.seed, style=config.style)
+    source = open_source(f"{kind}:{options.clips / name}", seed=options.seed, style=options.style)
     puppeteer = Puppeteer(
-        PuppeteerConfig(style=config.style, controller=config.controller, seed=config.seed),
+        PuppeteerConfig(style=options.style, controller=options.controller, seed=options.seed),
         calibrate(source.calibration_poses()),
     )
     ticks: list[Tick] = []
@@ -104,9 +100,9 @@ def drive_clip(config: PeopleConfig, name: str) -> list[Tick]:
             return ticks
 
 
-def clip_row(config: PeopleConfig, name: str, intervals: list[dict[str, Any]]) -> dict[str, Any]:
+def clip_row(options: Options, name: str, intervals: list[dict[str, Any]]) -> dict[str, Any]:
     """One clip's figures: the selector's against the labels, the robot's from physics."""
-    ticks = drive_clip(config, name)
+    ticks = drive_clip(options, name)
     t = np.arange(len(ticks)) * CONTROL_DT
     expected = frame_labels(t, intervals)
     chosen = [tick.expert for tick in ticks]
@@ -122,7 +118,7 @@ def clip_row(config: PeopleConfig, name: str, intervals: list[dict[str, Any]]) -
     row: dict[str, Any] = {
         "case": name,
         "controller": summary["controller"],
-        "seed": config.seed,
+        "seed": options.seed,
         "frames": len(ticks),
         "labelled": len(labelled),
         "right": len(right),

@@ -1,10 +1,9 @@
 """A training run → models/policy: scored beside its baselines, kept only where it beats them.
 
-python -m studio.evaluation.publish walk --episodes 256
+`a1-studio publish walk --episodes 256`
 """
 
 import json
-import logging
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,11 +13,10 @@ import tyro
 
 from studio.control.policy import MODELS
 from studio.errors import StudioError
-from studio.evaluation.tracking import run_tracking
+from studio.evaluation.tracking import Options, run_tracking
 from studio.files import whole
 from studio.reference.intent import StateName
 
-log = logging.getLogger(__name__)
 SCORES = (
     "success_time_ratio",
     "tracked_time_ratio",
@@ -32,14 +30,20 @@ HIGHER = ("success_time_ratio", "tracked_time_ratio")
 
 @dataclass(frozen=True, kw_only=True)
 class Publish:
-    """state: which expert. run: its training folder. force: keep it even where it is not better."""
+    """Score a trained policy beside its baselines and ship it where it beats them."""
 
     state: tyro.conf.Positional[StateName]
+    """Which expert."""
     run: Path | None = None
+    """Its training folder (default: runs/policy-STATE)."""
     episodes: int = 256
+    """Episodes a controller is scored on."""
     seed: int = 1
+    """Everything drawn follows from it."""
     threads: int = 0
+    """Cores to use; 0: all."""
     force: bool = False
+    """Ship it even where it is not better."""
 
 
 def publish(config: Publish) -> dict[str, Any]:
@@ -56,14 +60,14 @@ def publish(config: Publish) -> dict[str, Any]:
         ("checkpoint.safetensors", f"checkpoints/{config.state}.safetensors"),
     ):
         shutil.copy(run / source, stage / name)
-    rows = run_tracking(
-        config.episodes,
-        config.seed,
+    options = Options(
+        episodes=config.episodes,
+        seed=config.seed,
+        threads=config.threads,
         states=(config.state,),
         controllers=("stand_still", "pd_playback", "policy"),
-        models=stage,
-        threads=config.threads,
-    )["rows"]
+    )
+    rows = run_tracking(options, models=stage)["rows"]
     scores = {row["controller"]: {k: row[k] for k in row if _kept(k)} for row in rows}
     worse = [name for name in SCORES if not _better(scores, name)]
     if worse and not config.force:
@@ -86,8 +90,3 @@ def _kept(name: str) -> bool:
 def _better(scores: dict[str, dict[str, Any]], name: str) -> bool:
     ours, theirs = scores["policy"][name], scores["pd_playback"][name]
     return ours >= theirs if name in HIGHER else ours < theirs
-
-
-if __name__ == "__main__":
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
-    log.info("%s", json.dumps(publish(tyro.cli(Publish)), indent=1))

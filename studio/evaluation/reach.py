@@ -4,10 +4,12 @@ Sitting raises both front paws; standing raises one on three legs, leaning back 
 reference library does. Nominal dynamics, no noise.
 """
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from studio.evaluation.options import ScriptOptions
 from studio.evaluation.scripted import controllers, record
 from studio.reference.intent import IntentTrack
 from studio.reference.tracks import frames_in, make_track
@@ -39,9 +41,19 @@ def _tracks(state: str) -> dict[str, IntentTrack]:
     return tracks
 
 
-def run_reach(seed: int = 0) -> dict[str, Any]:
+@dataclass(frozen=True, kw_only=True)
+class Options(ScriptOptions):
+    """Of `evaluate reach`."""
+
+
+def run_reach(options: Options = Options()) -> dict[str, Any]:
     """`{"rows": [...]}` per state, paw and controller: `paw_m`, the lowest that the raised paws'
     soles were above the ground over the last second, and whether that is TARGET_M."""
+    seeds = range(options.seed, options.seed + options.episodes)
+    return {"rows": [row for seed in seeds for row in _rows(seed)]}
+
+
+def _rows(seed: int) -> list[dict[str, Any]]:
     rows = []
     for state in ("stand", "sit"):
         tracks = _tracks(state)
@@ -66,4 +78,4 @@ def run_reach(seed: int = 0) -> dict[str, Any]:
                         "survived": survived,
                     }
                 )
-    return {"rows": rows}
+    return rows

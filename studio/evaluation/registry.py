@@ -1,48 +1,81 @@
-"""The tables by name: `evaluate NAME` is `run_NAME` of the file of that name in this room."""
+"""The tables by name: `evaluate NAME` is `run_NAME(Options)` of the file of that name here."""
 
-import inspect
+import json
 from collections.abc import Callable
+from dataclasses import dataclass, fields
 from importlib import import_module
-from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 from studio.errors import unknown_name
+from studio.evaluation.options import AllOptions
 
-NAMES = (
-    "tracking", "ablation", "curriculum", "future", "tilt", "walk", "workspace", "composite",
-    "latency", "styles", "people", "pairs", "baselines", "transitions",
-    "reach", "kicks", "endurance",
-)  # fmt: skip
-"""Names that contract.md fixes, then our own; those without a file here are not built yet."""
+KEPT = Path("runs/evaluate/tables")
+"""Where each table is kept as last made, for `a1-studio report`."""
+TABLES = {
+    "tracking": "how well references are tracked under Table I",
+    "transitions": "into each state from the others",
+    "tilt": "how far the trunk tilts, of what was asked",
+    "walk": "speeds and turns, of what was asked",
+    "reach": "how high a paw comes",
+    "kicks": "who survives a kick",
+    "workspace": "the volume that a paw reaches, with tilts and without",
+    "ablation": "what each part of the recipe is worth",
+    "curriculum": "what the curriculum is worth",
+    "future": "what knowing the future is worth",
+    "endurance": "minutes of driving: mean time between falls",
+    "styles": "three ways of meaning walk, in physics",
+    "pairs": "the mapper beside simpler ones, by number of pairs",
+    "people": "real clips that nothing was trained on (needs --clips)",
+    "operator_statistics": "the synthetic operator's ranges beside real ones (needs --clips)",
+}
+"""Name: what it tells. A table that is not here is not built."""
+OF_CLIPS = ("people", "operator_statistics")
 
 
-def available() -> list[str]:
-    """The tables that can be made."""
-    return [name for name in NAMES if find_spec(f"studio.evaluation.{name}") is not None]
+@dataclass(frozen=True)
+class Table:
+    """options: the dataclass of what it takes. run: from that to `{"rows": [...]}`."""
+
+    name: str
+    options: type[Any]
+    run: Callable[[Any], dict[str, Any]]
+
+    @property
+    def takes(self) -> list[str]:
+        """The names of its options."""
+        return [field.name for field in fields(self.options)]
 
 
-def run_evaluation(name: str, **settings: Any) -> dict[str, Any]:
-    """{"rows": […]} of one table, or of "all" that need no files of the user's.
-
-    settings that are None are the table's own; those a table does not know are left out for
-    "all" and otherwise a TypeError. StudioError for an unknown name.
-    """
-    settings = {key: value for key, value in settings.items() if value is not None}
+def table(name: str) -> Table:
+    """One table, its file loaded. StudioError, naming those that there are, for an unknown one."""
     if name == "all":
-        skipped = () if "clips" in settings else ("people",)
-        rows = []
-        for each in available():
-            if each not in skipped:
-                rows += [{"table": each, **row} for row in _run(each, settings)["rows"]]
-        return {"rows": rows}
-    if name not in available():
-        raise unknown_name("evaluation", name, (*available(), "all"))
-    return _run(name, settings)
+        return Table(name, AllOptions, _run_all)
+    if name not in TABLES:
+        raise unknown_name("evaluation", name, (*TABLES, "all"))
+    module = import_module(f"studio.evaluation.{name}")
+    return Table(name, module.Options, getattr(module, f"run_{name}"))
 
 
-def _run(name: str, settings: dict[str, Any]) -> dict[str, Any]:
-    run: Callable[..., dict[str, Any]] = getattr(
-        import_module(f"studio.evaluation.{name}"), f"run_{name}"
-    )
-    known = inspect.signature(run).parameters
-    return run(**{key: value for key, value in settings.items() if key in known})
+def run_table(name: str, options: Any, *, keep: Path | None = KEPT) -> dict[str, Any]:
+    """`{"rows": [...]}` of one table, or of all; each is kept in `keep` as it is made."""
+    if name == "all":
+        return _run_all(options, keep=keep)
+    made = table(name).run(options)
+    if keep is not None:
+        keep.mkdir(parents=True, exist_ok=True)
+        (keep / f"{name}.json").write_text(json.dumps(made["rows"], default=float))
+    return made
+
+
+def _run_all(options: AllOptions, *, keep: Path | None = KEPT) -> dict[str, Any]:
+    """Every table, those of clips only where there are clips; each row names its `table`."""
+    given = {key: value for key, value in vars(options).items() if value is not None}
+    rows = []
+    for name in TABLES:
+        if name in OF_CLIPS and options.clips is None:
+            continue
+        each = table(name)
+        own = each.options(**{key: given[key] for key in each.takes if key in given})
+        rows += [{"table": name, **row} for row in run_table(name, own, keep=keep)["rows"]]
+    return {"rows": rows}

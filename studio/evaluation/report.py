@@ -1,29 +1,26 @@
 """Every table about the policies → one page with their goals, met or missed, for the repository.
 
-    python -m studio.evaluation.report models/policy/SCORES.md --episodes 1024
+    a1-studio evaluate all
+    a1-studio report models/policy/SCORES.md
 
-Each table is kept as JSON as soon as it is made: a run that was cut off goes on where it stopped,
-and `--tables walk,kicks` makes some of them anew.
+`evaluate` keeps each table as JSON as soon as it is made; the page shows them as last made.
 """
 
 import json
-import logging
 import os
 import platform
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import tyro
 
-from studio.errors import unknown_name
-from studio.evaluation.registry import run_evaluation
+from studio.errors import StudioError
+from studio.evaluation.registry import KEPT
 from studio.evaluation.report_goals import GOALS
-from studio.evaluation.report_tables import TABLES, Rows
+from studio.evaluation.report_tables import TABLES, Column, Rows
 from studio.training.machine import commit
-
-log = logging.getLogger(__name__)
-PARTS = Path("runs/evaluate/report")
 
 
 def page(tables: dict[str, Rows], facts: str) -> str:
@@ -31,10 +28,10 @@ def page(tables: dict[str, Rows], facts: str) -> str:
     lines = ["# Scores of the shipped policies", "", facts, ""]
     lines += ["## Goals", "", "| what | goal | worst | met |", "|---|---|---|---|"]
     lines += [line for goal in GOALS if (line := goal.line(tables))]
-    for name, (title, columns) in TABLES.items():
-        if not tables.get(name):
+    for name, rows in tables.items():
+        if not rows:
             continue
-        rows = tables[name]
+        title, columns = _title(name, rows)
         lines += ["", f"## {title}", "", f"`a1-studio evaluate {name}`, {_episodes(rows)}.", ""]
         lines += ["| " + " | ".join(c.head for c in columns) + " |", "|---" * len(columns) + "|"]
         lines += ["| " + " | ".join(c.cell(row) for c in columns) + " |" for row in rows]
@@ -51,39 +48,43 @@ def _episodes(rows: Rows) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """out: the page. tables: which to make anew, by name; the others are as last made."""
+    """One page of the tables that `evaluate` has computed, goals met and missed first."""
 
-    out: tyro.conf.Positional[Path]
-    tables: str = ",".join(TABLES)
-    episodes: int = 1024
-    seed: int = 0
-    parts: Path = PARTS
-
-
-def make(config: Report) -> Path:
-    """Make the tables, then the page from all that are there. StudioError for an unknown name."""
-    for name in filter(None, config.tables.split(",")):
-        if name not in TABLES:
-            raise unknown_name("table", name, TABLES)
-        log.info("%s", name)
-        few = {"kicks": 256, "transitions": 256, "workspace": 64}
-        count = min(config.episodes, few.get(name, config.episodes))
-        rows = run_evaluation(name, episodes=count, seed=config.seed)["rows"]
-        config.parts.mkdir(parents=True, exist_ok=True)
-        (config.parts / f"{name}.json").write_text(json.dumps(rows))
-    tables = load(config.parts)
-    machine = f"{os.cpu_count()} cores, {platform.machine()}, no GPU"
-    facts = f"By `python -m studio.evaluation.report` at {commit()}, seed {config.seed}; {machine}."
-    config.out.write_text(page(tables, facts))
-    return config.out
+    out: tyro.conf.Positional[Path] = Path("runs/evaluate/report.md")
+    """The page, Markdown."""
+    tables: Path = KEPT
+    """Folder of the tables that `evaluate` keeps."""
 
 
-def load(parts: Path) -> dict[str, Rows]:
-    """The tables made so far."""
-    names: Sequence[str] = [n for n in TABLES if (parts / f"{n}.json").exists()]
-    return {n: json.loads((parts / f"{n}.json").read_text()) for n in names}
+def make(config: Report) -> dict[str, Any]:
+    """Write the page: `{"page", "tables"}`, its file and what is on it. StudioError where no table
+    is made yet."""
+    tables = load(config.tables)
+    if not tables:
+        raise StudioError(f"no table in {config.tables} yet: `a1-studio evaluate all` makes them")
+    machine = f"{os.cpu_count()} cores, {platform.machine()}"
+    facts = f"By `a1-studio report` at {commit()}; {machine}."
+    config.out.parent.mkdir(parents=True, exist_ok=True)
+    config.out.write_text(page(tables, facts), encoding="utf-8")
+    return {"page": str(config.out), "tables": list(tables)}
 
 
-if __name__ == "__main__":
-    logging.basicConfig(level=logging.INFO, format="%(message)s")
-    make(tyro.cli(Report))
+def load(folder: Path) -> dict[str, Rows]:
+    """The tables made so far: those of the policies first, in their order, then the others."""
+    found = {file.stem: json.loads(file.read_text()) for file in sorted(folder.glob("*.json"))}
+    order = [name for name in TABLES if name in found]
+    return {name: found[name] for name in (*order, *(n for n in found if n not in TABLES))}
+
+
+def _title(name: str, rows: Rows) -> tuple[str, Sequence[Column]]:
+    """Heading and columns; of a table without columns of its own, every figure of its rows."""
+    if name in TABLES:
+        return TABLES[name]
+    keys = dict.fromkeys(key for row in rows for key, value in row.items() if _shown(key, value))
+    return name.replace("_", " ").capitalize(), [
+        Column(key=key, head=key.replace("_", " "), places=3) for key in keys
+    ]
+
+
+def _shown(key: str, value: Any) -> bool:
+    return key not in ("commit", "seed", "episodes", "table") and not isinstance(value, list | dict)

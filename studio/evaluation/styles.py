@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 from studio import geometry
 from studio.control.command import PuppeteerConfig
+from studio.evaluation.options import TableOptions
 from studio.human.calibration import calibrate
+from studio.options import ControllerName, Style
 from studio.puppeteer import Puppeteer
 from studio.reference import gait
 from studio.reference.intent import Intent
@@ -73,18 +75,25 @@ class Outcome:
         return bool(self.survived and self.achieved_m_s >= case.least_m_s and turned)
 
 
-def run_styles(
-    *,
-    episodes: int | None = None,
-    seed: int = 0,
-    style: str | None = None,
-    controller: str | None = None,
-) -> dict[str, Any]:
+@dataclass(frozen=True, kw_only=True)
+class Options(TableOptions):
+    """Of `evaluate styles`."""
+
+    episodes: int = 4
+    """People who try each case."""
+    style: Style | None = None
+    """Only this way of meaning "walk" (default: each)."""
+    controller: ControllerName | None = None
+    """What turns the reference into an action (default: policy)."""
+
+
+def run_styles(options: Options = Options()) -> dict[str, Any]:
     """A row per style and case, over `episodes` operators each. `style`: that one only."""
+    seed, controller = options.seed, options.controller
     rows = []
-    for each in STYLES if style is None else (style,):
+    for each in STYLES if options.style is None else (options.style,):
         for case in CASES:
-            outcomes = [attempt(each, case, seed + k, controller) for k in range(episodes or 4)]
+            outcomes = [attempt(each, case, seed + k, controller) for k in range(options.episodes)]
             rows.append(row(each, case, outcomes, seed) | {"controller": controller or "policy"})
             log.info("%s, %s: %s", each, case.name, rows[-1])
     return {"rows": rows}

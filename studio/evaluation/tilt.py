@@ -1,9 +1,11 @@
 """How far the trunk tilts on each axis, standing and sitting, against what was asked."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from studio.evaluation.options import ScriptOptions
 from studio.evaluation.scripted import controllers, record
 from studio.reference.intent import StateName
 from studio.reference.stances import tilt_of
@@ -19,8 +21,18 @@ ASKED_DEG: dict[StateName, tuple[float, float, float]] = {
 RAMP, HOLD = 2.0, 3.0
 
 
-def run_tilt(seed: int = 0) -> dict[str, Any]:
+@dataclass(frozen=True, kw_only=True)
+class Options(ScriptOptions):
+    """Of `evaluate tilt`."""
+
+
+def run_tilt(options: Options = Options()) -> dict[str, Any]:
     """`{"rows": [...]}`: per state, axis, side and controller `commanded_deg`, `achieved_deg`."""
+    seeds = range(options.seed, options.seed + options.episodes)
+    return {"rows": [row for seed in seeds for row in _rows(seed)]}
+
+
+def _rows(seed: int) -> list[dict[str, Any]]:
     rows = []
     for state, limits in ASKED_DEG.items():
         cases = [(k, sign * limits[k]) for k in range(3) for sign in (-1.0, 1.0)]
@@ -51,4 +63,4 @@ def run_tilt(seed: int = 0) -> dict[str, Any]:
                         "survived": bool(done.alive[-1, i]),
                     }
                 )
-    return {"rows": rows}
+    return rows

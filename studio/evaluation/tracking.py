@@ -7,6 +7,7 @@ errors stand beside it. Every controller meets the same references, dynamics and
 import hashlib
 import logging
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
@@ -17,6 +18,7 @@ from rich.progress import Progress
 from studio.control.policy import MODELS
 from studio.errors import StudioError, unknown_name
 from studio.evaluation.contenders import CONTROLLERS, Contender, contender
+from studio.evaluation.options import PolicyOptions
 from studio.files import fingerprint
 from studio.metrics import bootstrap_ci
 from studio.reference.intent import STATES, StateName
@@ -55,13 +57,19 @@ _FIGURES: dict[str, tuple[str, Callable[[float], float]]] = {
 }
 
 
+@dataclass(frozen=True, kw_only=True)
+class Options(PolicyOptions):
+    """Of `evaluate tracking`."""
+
+    states: tuple[StateName, ...] = STATES
+    """Which experts."""
+    controllers: tuple[str, ...] = CONTROLLERS
+    """Which controllers; a policy that is not trained has no row."""
+
+
 def run_tracking(
-    episodes: int = 1024,
-    seed: int = 0,
+    options: Options = Options(),
     *,
-    states: Sequence[StateName] | str = STATES,
-    controllers: Sequence[str] | str = CONTROLLERS,
-    threads: int | str = 0,
     models: Path = MODELS,
     cache: Path | None = CACHE,
     progress: bool = True,
@@ -69,17 +77,17 @@ def run_tracking(
     """`{"rows": [...]}`, a row per state and controller, each figure with its 95 % `*_ci`.
 
     Rows of policies that are not trained are left out. Chunks of episodes are kept in `cache`: a
-    run that was cut off goes on where it stopped. From the command line states and controllers are
-    names with commas between. StudioError for unknown names.
+    run that was cut off goes on where it stopped. StudioError for unknown names.
     """
-    wanted = cast(list[StateName], names_of("state", states, STATES))
-    chosen = names_of("controller", controllers, CONTROLLERS)
+    wanted = cast(list[StateName], names_of("state", options.states, STATES))
+    chosen = names_of("controller", options.controllers, CONTROLLERS)
     present: list[Job] = []
     for state in wanted:
         for name in chosen:
             if who := contender(name, state, models):
                 present.append((state, who))
-    return {"rows": compare(present, episodes, seed, int(threads), cache, progress)}
+    rows = compare(present, options.episodes, options.seed, options.threads, cache, progress)
+    return {"rows": rows}
 
 
 def compare(

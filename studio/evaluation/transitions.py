@@ -5,8 +5,7 @@ the source, and goes on in the goal for the rest of its 10 s.
 """
 
 import json
-from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, cast
 
@@ -14,6 +13,7 @@ import numpy as np
 
 from studio.control.policy import MODELS
 from studio.evaluation.contenders import contender, path_of
+from studio.evaluation.options import PolicyOptions
 from studio.evaluation.tracking import CACHE, Job, Motions, compare
 from studio.reference.intent import StateName
 from studio.rl.bank import MotionBank, assemble, warp
@@ -40,12 +40,19 @@ def crossings_from(source: StateName) -> Motions:
     return draw
 
 
+@dataclass(frozen=True, kw_only=True)
+class Options(PolicyOptions):
+    """Of `evaluate transitions`."""
+
+    episodes: int = 256
+    """Episodes a row."""
+    controllers: tuple[str, ...] = CONTROLLERS
+    """Which controllers; a policy that is not trained has no row."""
+
+
 def run_transitions(
-    episodes: int = 256,
-    seed: int = 0,
+    options: Options = Options(),
     *,
-    controllers: Sequence[str] = CONTROLLERS,
-    threads: int = 0,
     models: Path = MODELS,
     cache: Path | None = CACHE,
     progress: bool = True,
@@ -54,14 +61,15 @@ def run_transitions(
 
     in_charge: the live controller lets this one do it.
     """
+    settings = (options.episodes, options.seed, options.threads)
     rows = []
     for goal, sources in SOURCES.items():
         for source in sources:
             chosen = in_charge(goal, models)
-            found = [contender(name, goal, models) for name in controllers]
+            found = [contender(name, goal, models) for name in options.controllers]
             jobs: list[Job] = [(goal, who) for who in found if who is not None]
             motions = crossings_from(cast(StateName, source))
-            done = compare(jobs, episodes, seed, threads, cache, progress, motions)
+            done = compare(jobs, *settings, cache, progress, motions)
             rows += [
                 {"from": source, "to": goal, "in_charge": row["controller"] == chosen, **row}
                 for row in done

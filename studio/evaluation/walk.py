@@ -1,10 +1,12 @@
 """How fast the robot really walks and turns, against what was asked."""
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from studio import geometry
+from studio.evaluation.options import ScriptOptions
 from studio.evaluation.scripted import controllers, record
 from studio.reference import gait
 from studio.reference.marching import Bout, march_track
@@ -25,12 +27,22 @@ def _cadence(speed: float) -> float:
     return 2.3
 
 
-def run_walk(seed: int = 0) -> dict[str, Any]:
+@dataclass(frozen=True, kw_only=True)
+class Options(ScriptOptions):
+    """Of `evaluate walk`."""
+
+
+def run_walk(options: Options = Options()) -> dict[str, Any]:
     """`{"rows": [...]}` per speed, turn and controller, averaged from SETTLE s on.
 
     commanded: of the reference motion; achieved: of the simulated robot. drift_share: how far off
     the straight reference's end the robot is, over the way walked (turns: None).
     """
+    seeds = range(options.seed, options.seed + options.episodes)
+    return {"rows": [row for seed in seeds for row in _rows(seed)]}
+
+
+def _rows(seed: int) -> list[dict[str, Any]]:
     tracks = []
     for speed, turn in CASES:
         cadence = _cadence(speed)
@@ -74,4 +86,4 @@ def run_walk(seed: int = 0) -> dict[str, Any]:
                     "survived": bool(done.alive[-1, i]),
                 }
             )
-    return {"rows": rows}
+    return rows

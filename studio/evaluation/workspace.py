@@ -1,15 +1,16 @@
 """The volume that the right front paw reaches while standing, with tilts and without.
 
-python -m studio.evaluation.workspace models/policy/workspace.png    (draws where it was)
+`a1-studio evaluate workspace --figure models/policy/workspace.png` also draws where it was.
 """
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tyro
 from numpy.typing import NDArray
 
+from studio.evaluation.options import TableOptions
 from studio.evaluation.scripted import controllers, record
 from studio.reference.keyframes import Goal, keyframe_track
 from studio.robot import kinematics
@@ -27,9 +28,20 @@ def voxel_volume(points: Array, size: float = VOXEL) -> float:
     return len(np.unique(np.floor(points / size).astype(int), axis=0)) * size**3
 
 
-def run_workspace(episodes: int = 64, seed: int = 0) -> dict[str, Any]:
+@dataclass(frozen=True, kw_only=True)
+class Options(TableOptions):
+    """Of `evaluate workspace`."""
+
+    episodes: int = 64
+    """Motions of the paw."""
+    figure: Path | None = None
+    """Also draw where the policy's paw was into this file (.png)."""
+
+
+def run_workspace(options: Options = Options()) -> dict[str, Any]:
     """`{"rows": [...]}` per controller: `volume_m3` of manipulation alone, `volume_tilt_m3` of
     manipulation with tilts of as many episodes, and their `ratio` (the paper: 2.7)."""
+    episodes, seed = options.episodes, options.seed
     rows = []
     for controller in controllers("stand"):
         without, survived = _reached(episodes, seed, controller, tilt=False)
@@ -49,6 +61,8 @@ def run_workspace(episodes: int = 64, seed: int = 0) -> dict[str, Any]:
                 "survived_tilt": survived_tilt,
             }
         )
+    if options.figure is not None:
+        draw_chart(options.figure, episodes, seed)
     return {"rows": rows}
 
 
@@ -72,7 +86,7 @@ def _reached(episodes: int, seed: int, controller: str, *, tilt: bool) -> tuple[
     return paw[raised & done.alive], float(done.alive[-1].mean())
 
 
-def draw_chart(out: tyro.conf.Positional[Path], episodes: int = 64, seed: int = 0) -> Path:
+def draw_chart(out: Path, episodes: int = 64, seed: int = 0) -> Path:
     """Where the policy's paw was, from the side and from above: without tilts over with them."""
     import matplotlib
 
@@ -108,7 +122,3 @@ def draw_chart(out: tyro.conf.Positional[Path], episodes: int = 64, seed: int = 
     figure.savefig(out, dpi=120)
     plt.close(figure)
     return out
-
-
-if __name__ == "__main__":
-    tyro.cli(draw_chart)

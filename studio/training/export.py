@@ -5,16 +5,16 @@ Inputs of a control period: observation (1, dim), reference_joint_pos (1, 12) ra
 next filter_state. The metadata entry "manifest" says what the observation holds, the rates and
 gains. `models/policy/onnx_runner.py` runs it without this package.
 
-    python -m studio.training.export walk walk.onnx
+    a1-studio export policy --state walk --out walk.onnx
 """
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
 import onnx
-import tyro
 from onnx import TensorProto, helper, numpy_helper
 from scipy.signal import butter
 
@@ -25,6 +25,22 @@ from studio.control.symmetry import observation_mirror
 from studio.errors import StudioError
 from studio.robot import a1
 from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
+
+
+@dataclass(frozen=True, kw_only=True)
+class PolicyExport:
+    """Write a policy as one ONNX file with all that a real A1 needs."""
+
+    state: str = "walk"
+    """Which expert: stand, walk, sit, or a path to its weights."""
+    out: Path | None = None
+    """The file (default: STATE.onnx here)."""
+
+
+def run_export_policy(config: PolicyExport) -> dict[str, Any]:
+    """Write the file: `{"file", "state", "bytes"}`. StudioError if there is no such policy."""
+    out = export_onnx(config.state, config.out or Path(f"{Path(config.state).stem}.onnx"))
+    return {"file": str(out), "state": config.state, "bytes": out.stat().st_size}
 
 
 def export_onnx(name: str | Path, out: Path) -> Path:
@@ -149,12 +165,3 @@ class _Graph:
             self.constants,
         )
         return helper.make_model(graph, opset_imports=[helper.make_opsetid("", 17)], ir_version=9)
-
-
-def _main(name: tyro.conf.Positional[str], out: tyro.conf.Positional[Path]) -> None:
-    """Write the policy NAME (stand, walk, sit, or a path to its weights) to OUT."""
-    export_onnx(name, out)
-
-
-if __name__ == "__main__":
-    tyro.cli(_main)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from studio.control.policy import MODELS, Policy, save_policy
+from studio.evaluation import ablation, kicks, transitions
 from studio.evaluation.ablation import CONSISTENCY, run_ablation
 from studio.evaluation.contenders import contender, trained
 from studio.evaluation.kicks import run_kicks
@@ -119,7 +120,9 @@ def test_the_pd_enters_a_state_whose_policy_was_not_trained_to(tmp_path: Path) -
 
 @pytest.mark.slow
 def test_fewer_survive_with_a_kick_than_without(tmp_path: Path) -> None:
-    rows = run_kicks(4, threads=1, models=tmp_path)["rows"]  # no policies there
+    rows = run_kicks(kicks.Options(episodes=4, threads=1), models=tmp_path)[
+        "rows"
+    ]  # no policies there
     assert [(r["state"], r["controller"]) for r in rows] == [
         ("stand", "pd_playback"),
         ("walk", "pd_playback"),
@@ -131,9 +134,8 @@ def test_fewer_survive_with_a_kick_than_without(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_the_ablation_switches_consistency_off_at_test_time(tmp_path: Path) -> None:
-    rows = run_ablation(2, states=("sit",), threads=1, models=tmp_path, cache=None, progress=False)[
-        "rows"
-    ]
+    options = ablation.Options(episodes=2, states=("sit",), threads=1)
+    rows = run_ablation(options, models=tmp_path, cache=None, progress=False)["rows"]
     assert {(r["kind"], r["state"], r["controller"]) for r in rows} == {
         ("test", "sit", "pd_playback")
     }
@@ -151,8 +153,8 @@ def test_crossings_are_judged_from_their_first_frame() -> None:
 
 @pytest.mark.slow
 def test_the_shipped_policies_enter_every_state_from_every_other() -> None:
-    settings = {"controllers": ("policy",), "threads": 1, "cache": None, "progress": False}
-    rows = run_transitions(4, **settings)["rows"]  # type: ignore[arg-type]
+    options = transitions.Options(episodes=4, controllers=("policy",), threads=1)
+    rows = run_transitions(options, cache=None, progress=False)["rows"]
     assert {(r["from"], r["to"]) for r in rows} == {
         ("walk", "stand"),
         ("sit", "stand"),

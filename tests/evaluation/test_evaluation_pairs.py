@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studio.evaluation.pair_methods import SIZES, spread, widened
-from studio.evaluation.pairs import run_pairs, switches
+from studio.evaluation.pairs import Options, run_pairs, switches
 from studio.evaluation.pairs_report import table
 from studio.retarget.baselines.base import Targets, unstack
 from studio.retarget.baselines.foot_height import contact_by_height
@@ -102,9 +102,10 @@ def test_the_table_of_several_seeds_has_a_line_per_state_and_case():
 
 @pytest.mark.slow
 def test_more_pairs_map_better_and_the_shipped_experts_beat_the_baselines_on_strangers():
-    rows = run_pairs(
+    options = Options(
         episodes=6, train_seconds=120.0, steps=400, sizes=SIZES[::2], states=("stand", "walk")
-    )["rows"]
+    )
+    rows = run_pairs(options)["rows"]
     by = {(row["state"], row["case"]): row for row in rows}
     said = ["76 pairs", "522 pairs", "all pairs"]
     for state in ("stand", "walk"):

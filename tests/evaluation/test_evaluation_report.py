@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 
 from studio.errors import StudioError
+from studio.evaluation.registry import run_table, table
 from studio.evaluation.report import Report, _episodes, load, make, page
 
 
@@ -140,15 +141,25 @@ def test_only_tables_that_were_made_are_on_the_page(tmp_path: Path) -> None:
     assert "| b | policy | 0.50 | 0.40 | 0.0 | 1.0 | 4 | yes |" in text
 
 
-def test_an_unknown_table_is_answered_with_the_known_ones(tmp_path: Path) -> None:
-    with pytest.raises(StudioError, match="kicks"):
-        make(Report(out=tmp_path / "page.md", tables="juggling", parts=tmp_path))
+def test_a_table_without_columns_of_its_own_shows_every_figure_of_its_rows(tmp_path: Path) -> None:
+    rows = [{"case": "operator", "seed": 0, "episodes": 2, "falls": 3, "first_falls_s": [1.0]}]
+    (tmp_path / "endurance.json").write_text(json.dumps(rows))
+    text = page(load(tmp_path), "facts")
+    assert "## Endurance" in text
+    assert "| case | falls |\n|---|---|\n| operator | 3.000 |" in text
+
+
+def test_without_a_table_the_page_says_what_makes_them(tmp_path: Path) -> None:
+    with pytest.raises(StudioError, match="a1-studio evaluate all"):
+        make(Report(out=tmp_path / "page.md", tables=tmp_path))
 
 
 @pytest.mark.slow
 def test_the_page_is_made_from_a_real_evaluation(tmp_path: Path) -> None:
-    out = make(Report(out=tmp_path / "page.md", tables="reach", parts=tmp_path / "parts"))
-    text = out.read_text()
+    run_table("reach", table("reach").options(), keep=tmp_path / "tables")
+    made = make(Report(out=tmp_path / "page.md", tables=tmp_path / "tables"))
+    assert made["tables"] == ["reach"]
+    text = (tmp_path / "page.md").read_text()
     assert "| a paw sitting | ≥ 0.8 m |" in text
     assert "| sit | both | policy |" in text
 

@@ -56,6 +56,6 @@ def test_voxels_count_each_cube_once() -> None:
 
 @pytest.mark.slow
 def test_tilting_widens_the_workspace() -> None:
-    (row,) = workspace.run_workspace(episodes=8)["rows"]
+    (row,) = workspace.run_workspace(workspace.Options(episodes=8))["rows"]
     assert row["ratio"] > 1.2
     assert row["volume_m3"] > 0.0

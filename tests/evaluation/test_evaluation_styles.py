@@ -2,7 +2,16 @@
 
 import pytest
 
-from studio.evaluation.styles import CASES, Case, Outcome, attempt, row, run_styles, walking
+from studio.evaluation.styles import (
+    CASES,
+    Case,
+    Options,
+    Outcome,
+    attempt,
+    row,
+    run_styles,
+    walking,
+)
 from studio.reference import gait
 from studio.retarget.store import STYLES
 
@@ -46,7 +55,7 @@ def test_what_is_asked_for_means_that_speed(speed):
 
 @pytest.mark.slow
 def test_every_style_walks_and_turns_both_ways_in_physics():
-    rows = run_styles(episodes=1)["rows"]
+    rows = run_styles(Options(episodes=1))["rows"]
     assert [r["case"] for r in rows] == [f"{s}, {c.name}" for s in STYLES for c in CASES]
     by = {r["case"]: r for r in rows}
     for style in STYLES:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from studio.errors import StudioError
-from studio.evaluation.tracking import run_tracking
+from studio.evaluation.tracking import Options, run_tracking
 
 FIGURES = (
     "success_time_ratio",
@@ -19,10 +19,14 @@ FIGURES = (
 @pytest.mark.slow
 def test_rows_carry_every_figure_with_its_interval_and_come_from_the_cache(tmp_path: Path) -> None:
     def make() -> dict:
-        return run_tracking(
-            4, 1, states=("sit",), controllers="stand_still,pd_playback", cache=tmp_path,
-            threads=1, progress=False,
-        )  # fmt: skip
+        options = Options(
+            episodes=4,
+            seed=1,
+            states=("sit",),
+            controllers=("stand_still", "pd_playback"),
+            threads=1,
+        )
+        return run_tracking(options, cache=tmp_path, progress=False)
 
     first = make()
     assert [(r["state"], r["controller"]) for r in first["rows"]] == [
@@ -42,8 +46,8 @@ def test_rows_carry_every_figure_with_its_interval_and_come_from_the_cache(tmp_p
 
 def test_unknown_names_list_the_known_ones() -> None:
     with pytest.raises(StudioError, match="pd_playback, policy, policy_true_future, stand_still"):
-        run_tracking(1, controllers=("juggle",))
+        run_tracking(Options(episodes=1, controllers=("juggle",)))
     with pytest.raises(StudioError, match="sit, stand, walk"):
-        run_tracking(1, states="fly")
+        run_tracking(Options(episodes=1, states=("fly",)))  # type: ignore[arg-type]
     with pytest.raises(StudioError, match="--episodes"):
-        run_tracking(0)
+        run_tracking(Options(episodes=0))

@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from studio.evaluation import curriculum as curriculum_table
+from studio.evaluation import future as future_table
 from studio.evaluation.curriculum import ROWS as CURRICULUM
 from studio.evaluation.curriculum import run_curriculum
 from studio.evaluation.future import ROWS as FUTURE
@@ -15,8 +17,8 @@ def test_the_future_and_the_curriculum_are_told_by_the_same_few_walks(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)  # banks are kept under runs/
-    settings = {"threads": 1, "cache": tmp_path / "rows", "progress": False}
-    future = run_future(3, 0, **settings)["rows"]  # type: ignore[arg-type]
+    settings = {"cache": tmp_path / "rows", "progress": False}
+    future = run_future(future_table.Options(episodes=3, threads=1), **settings)["rows"]  # type: ignore[arg-type]
     assert [row["variant"] for row in future] == list(FUTURE.values())
     assert [row["controller"] for row in future] == list(FUTURE)
     for row in future:
@@ -31,7 +33,7 @@ def test_the_future_and_the_curriculum_are_told_by_the_same_few_walks(
     assert by["true_future"]["joint_rmse_deg"] < by["no_teacher"]["joint_rmse_deg"] - 0.5
     assert by["true_future"]["lag_ms"] < by["no_teacher"]["lag_ms"]
 
-    curriculum = run_curriculum(3, 0, **settings)["rows"]  # type: ignore[arg-type]
+    curriculum = run_curriculum(curriculum_table.Options(episodes=3, threads=1), **settings)["rows"]  # type: ignore[arg-type]
     assert [row["variant"] for row in curriculum] == list(CURRICULUM.values())
     again = {row["controller"]: row for row in curriculum}
     assert list(again) == list(CURRICULUM)
@@ -42,5 +44,5 @@ def test_the_future_and_the_curriculum_are_told_by_the_same_few_walks(
 
 
 def test_variants_that_are_not_trained_have_no_rows(tmp_path: Path) -> None:
-    assert run_future(1, models=tmp_path) == {"rows": []}
-    assert run_curriculum(1, models=tmp_path) == {"rows": []}
+    assert run_future(future_table.Options(episodes=1), models=tmp_path) == {"rows": []}
+    assert run_curriculum(curriculum_table.Options(episodes=1), models=tmp_path) == {"rows": []}
