@@ -90,7 +90,7 @@ SOURCES: dict[str, SourceKind] = {
     "take": SourceKind(usage="take:NAME", about="the human side of a recorded take", open=_take),
     "stream": SourceKind(usage="stream", about="frames sent to WS /api/human", open=_stream),
 }
-"""Every source by the first word of its spec (contract.md)."""
+"""Every source by the first word of its spec (docs/contract.md)."""
 
 
 def open_source(

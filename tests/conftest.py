@@ -17,4 +17,4 @@ def clips() -> Path:
     for folder in (os.environ.get("A1_STUDIO_CLIPS"), REPO.parent / "shared" / "clips"):
         if folder and Path(folder).is_dir():
             return Path(folder)
-    pytest.skip("no real clips: put them in ../shared/clips or set A1_STUDIO_CLIPS")
+    pytest.skip("no real clips: set $A1_STUDIO_CLIPS to a folder of them")

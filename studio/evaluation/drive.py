@@ -1,4 +1,4 @@
-"""The whole flow without a browser: a source driven to its end, and the report of contract.md."""
+"""The whole flow without a browser: a source driven to its end → the report of docs/contract.md."""
 
 import contextlib
 import json
@@ -27,7 +27,7 @@ TOUR_SECONDS = 40.0
 
 @dataclass(frozen=True, kw_only=True)
 class DriveConfig:
-    """source, seconds (None: to the source's end), seed, state, style, controller: contract.md.
+    """Settings of `drive`, see docs/contract.md; seconds None: to the end of the source.
 
     sessions: the folder of takes. record: keep the drive as a take. trace: a file for a JSON line
     per tick. realtime: pace it at 30 Hz instead of as fast as it goes.

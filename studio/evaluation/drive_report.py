@@ -1,4 +1,4 @@
-"""Ticks of a drive → the figures of contract.md, each by its definition in studio.metrics."""
+"""Ticks of a drive → the figures of docs/contract.md, each by its definition in studio.metrics."""
 
 from itertools import pairwise
 from typing import Any

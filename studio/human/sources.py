@@ -168,7 +168,7 @@ SKELETONS: dict[str, SourceSkeleton] = {
         full_confidence=2.0,
     ),
 }
-"""The skeletons a human frame may name (contract.md)."""
+"""The skeletons a human frame may name (docs/contract.md)."""
 
 
 def skeleton(name: str) -> SourceSkeleton:

@@ -19,7 +19,7 @@ from studio.takes.tick import Tick
 log = logging.getLogger(__name__)
 
 SWITCH_INTERVAL = 0.0005
-"""s; Python's default of 5 ms makes a 30 Hz thread late beside busy ones (findings.md)."""
+"""s; Python's default of 5 ms makes a 30 Hz thread late beside busy ones (docs/findings.md)."""
 
 
 @dataclass(kw_only=True)

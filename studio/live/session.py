@@ -26,7 +26,7 @@ log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, kw_only=True)
 class SessionConfig:
-    """source: a spec of contract.md. sessions: where takes are. puppeteer: how to drive."""
+    """source: a spec of docs/contract.md. sessions: where takes are. puppeteer: how to drive."""
 
     source: str = "operator"
     sessions: Path = Path("sessions")

@@ -25,7 +25,7 @@ class OpenedSource:
 def open_for(spec: str, config: PuppeteerConfig, sessions: Path) -> OpenedSource:
     """Open and scan a source, which may take a while: never on the loop's thread.
 
-    spec: of contract.md. sessions: where takes are. StudioError says what would work.
+    spec: of docs/contract.md. sessions: where takes are. StudioError says what would work.
     """
     source = open_source(spec, seed=config.seed, style=config.style, sessions=sessions)
     return OpenedSource(source=source, calibration=calibrate(source.calibration_poses()))

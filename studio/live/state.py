@@ -35,7 +35,7 @@ def latches(safety: "Safety") -> dict[str, Any]:
 def state_dict(
     session: "Session", tick: Tick, now: float, period_error_ms: deque[float]
 ) -> dict[str, Any]:
-    """The keys of contract.md, and what a page shows besides. now: s on the loop's clock."""
+    """The keys of docs/contract.md, and what a page shows besides. now: s on the loop's clock."""
     puppeteer, safety, replay = session.puppeteer, session.safety, session.replay
     extractor = puppeteer.retargeter.extractor
     of_tick, stale = part("tick", tick, "json"), safety.stale_s(now)

@@ -1,4 +1,4 @@
-"""A file of human frames, one JSON object a line (contract.md) → HumanClip."""
+"""A file of human frames, one JSON object a line (docs/contract.md) → HumanClip."""
 
 import logging
 from pathlib import Path

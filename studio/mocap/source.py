@@ -15,7 +15,7 @@ class SourceEnded(Exception):
 class Source(Protocol):
     """Gives human poses over time. Only the control loop's thread calls it.
 
-    name: the spec it was opened with, as in contract.md. starts_live: armed and live at once
+    name: the spec it was opened with, as in docs/contract.md. starts_live: armed and live at once
     (files, the operator), or idle until armed (webcam, stream, vmc). duration: s, None if endless.
     """
 

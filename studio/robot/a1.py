@@ -41,7 +41,7 @@ SPEED_LIMIT = np.full(12, 21.0)
 
 KP = 80.0
 KD = 2.0
-"""PD gains, N m/rad and N m s/rad, with ARMATURE: a good start for imitation (paper-notes)."""
+"""PD gains, N m/rad and N m s/rad, with ARMATURE: a good start for imitation (docs/paper.md)."""
 ARMATURE = 0.01
 
 STAND_HEIGHT = 0.27

@@ -40,7 +40,7 @@ class Sensor:
 
     @staticmethod
     def sample(rng: np.random.Generator, kind: str) -> "Sensor":
-        """Figures of findings.md: webcam depth 8-31 mm, others 4-25 mm, skeleton 5-11 % small."""
+        """Webcam: depth 8-31 mm, others 4-25 mm, skeleton 5-11 % small (docs/findings.md)."""
 
         def mm(low: float, high: float) -> float:
             return float(rng.uniform(low, high)) * 1e-3

@@ -46,7 +46,7 @@ class TakeInfo:
     problems: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
-        """Plain values, as contract.md's GET /api/takes gives them."""
+        """Plain values, as docs/contract.md's GET /api/takes gives them."""
         return {name: getattr(self, name) for name in self.__dataclass_fields__}  # asdict copies
 
 

@@ -150,7 +150,7 @@ def _fields_of(cls: type, stream: str) -> list[Field]:
 
 
 FIELDS: tuple[Field, ...] = (
-    # A person's frame has the names of contract.md.
+    # A person's frame has the names of docs/contract.md.
     _human("t", "t", "human_t", Seconds),
     _human("joint_pos_w", "positions", "human", np.ndarray, (NUM_JOINTS, 3)),
     _human("confidence", "confidence", "confidence", np.ndarray, (NUM_JOINTS,)),

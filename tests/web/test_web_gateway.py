@@ -30,7 +30,7 @@ def poses():
 
 
 def frame(pose, t):
-    """A frame of contract.md."""
+    """A frame of docs/contract.md."""
     positions = np.round(pose.joint_pos_w, 4).tolist()
     return {"t": t, "skeleton": "studio", "positions": positions}
 

@@ -8,6 +8,6 @@ from studio.takes.take import Take
 
 
 def write_frames(take: Take, path: Path) -> None:
-    """Human frames of contract.md (skeleton "studio") within the trim."""
+    """Human frames of docs/contract.md (skeleton "studio") within the trim."""
     lines = [codec.encode("human", pose) for pose in some_poses(take)]
     path.write_bytes(b"\n".join(lines) + b"\n")

@@ -116,7 +116,7 @@ _PACKERS = {stream: [(f.attr, f.name, _packer(f)) for f in _FIELDS[stream]] for 
 
 
 def encode(stream: str, value: HumanPose | ReferencePose | RobotState | Tick) -> bytes:
-    """A stream's message; of a human pose a frame of contract.md (skeleton "studio")."""
+    """A stream's message; of a human pose a frame of docs/contract.md (skeleton "studio")."""
     out: dict[str, Any] = {"skeleton": "studio"} if stream == "human" else {}
     out |= {name: pack(getattr(value, attr)) for attr, name, pack in _PACKERS[stream]}
     if isinstance(value, Tick):
