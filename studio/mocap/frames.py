@@ -113,8 +113,8 @@ def _time_unit(raws: Iterable[Any]) -> tuple[float, str]:
             continue
         stamps.append(float(stamp))
     steps = np.diff(stamps)
-    steps = steps[steps > 0.0]
-    period = float(np.median(steps)) if len(steps) else 0.0
+    steps = np.sort(steps[steps > 0.0])
+    period = float(steps[len(steps) // 4]) if len(steps) else 0.0  # pauses are the longer ones
     shortest, longest = _PERIOD
     fitting = (unit for unit in _UNITS if shortest <= period * unit[0] <= longest)
     return next(fitting, _UNITS[0])

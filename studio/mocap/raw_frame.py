@@ -67,7 +67,8 @@ def _without_nan(raw: Any) -> Any:
 def arrays_of(frame: Frame, skeleton: SourceSkeleton) -> tuple[Array, Array | None]:
     """Positions (n, 3) and confidence (n,) or None, right in number.
 
-    A joint without a place (null or NaN) is not seen: it is put where another is, confidence 0.
+    A joint without a place (null, or three of null or NaN) is not seen: it is put where another
+    is, confidence 0. One of which only a part is missing is damaged, and left so.
     """
     n = skeleton.num_joints
     for what, values in (("positions", frame.positions), ("confidences", frame.confidence)):
@@ -78,10 +79,12 @@ def arrays_of(frame: Frame, skeleton: SourceSkeleton) -> tuple[Array, Array | No
     if frame.confidence is not None:
         confidence = np.array(frame.confidence, dtype=np.float64)
         confidence[np.isnan(confidence)] = 0.0
-    unseen = np.isnan(positions).any(axis=1)
+    unseen = np.isnan(positions).all(axis=1)
+    if unseen.all():
+        raise FrameRejected("no joint has a place; where nobody is seen, send nothing")
     if unseen.any():
         if confidence is None:
             confidence = np.full(n, skeleton.full_confidence)
         confidence[unseen] = 0.0
-        positions[unseen] = 0.0 if unseen.all() else positions[~unseen][0]
+        positions[unseen] = positions[~unseen][0]
     return positions, confidence

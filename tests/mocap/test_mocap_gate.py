@@ -85,7 +85,6 @@ def spoilt(row: int, axis: int, value: float) -> list:
 
 UNSEEN = {
     "null": [None, None, None],
-    "null in one coordinate": [0.0, None, 0.0],
     "no position at all": None,
     "nan": [math.nan] * 3,
 }
@@ -165,6 +164,10 @@ HOSTILE = {
     "four coordinates": (frame(positions=np.ones((19, 4))), "$.positions[0]"),
     "flat positions": (frame(positions=NEUTRAL.ravel()), "$.positions[0]"),
     "ragged": ({**frame(), "positions": [[0, 0, 0], [0]] + [[0, 0, 0]] * 17}, "$.positions[1]"),
+    "position nan": (frame(positions=spoilt(3, 1, math.nan)), "not finite"),
+    "position null in part": ({**frame(), "positions": [[None, 0, 0]] * 19}, "not finite"),
+    "no position known": (frame(positions=np.full((19, 3), math.nan)), "no joint has a place"),
+    "positions all null": ({**frame(), "positions": [None] * 19}, "no joint has a place"),
     "position infinite": (frame(positions=spoilt(3, 1, -math.inf)), "not finite"),
     "position 1e999": (GOOD.replace("[[0.0", "[[1e999", 1), "out of range"),
     "position far": (frame(positions=spoilt(3, 1, 1.1e5)), "beyond 100000 m"),

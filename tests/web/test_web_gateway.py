@@ -385,7 +385,7 @@ def test_a_joint_map_is_asked_for_said_and_used_again(studio_live):
     asked = client.get("/api/joint-map", params={"source": source}).json()
     assert "LeftGamba" in asked["joints"]
     assert asked["found"]["l_ankle"] == ["LeftFoot"]
-    assert asked["missing"] == list(ITALIAN_MAP)
+    assert set(asked["missing"]) == set(ITALIAN_MAP)
     assert set(asked["missing"]) <= set(asked["needed"])
     assert asked["map"] == {}
     for said, why in (
