@@ -15,6 +15,8 @@ from typing import BinaryIO
 from studio.errors import StudioError
 
 STUDIO = Path(__file__).resolve().parent
+BUFFER = 65_536
+"""Bytes that can be looked at ahead (`peek`)."""
 
 
 @contextmanager
@@ -102,7 +104,8 @@ def open_regular(path: str | Path, max_bytes: int) -> BinaryIO:
     try:
         about = os.fstat(descriptor)
         _check(path, about, max_bytes)
-        return io.BufferedReader(_UpTo(os.fdopen(descriptor, "rb", 0), about.st_size))  # type: ignore[arg-type,return-value]
+        raw = _UpTo(os.fdopen(descriptor, "rb", 0), about.st_size)  # type: ignore[arg-type]
+        return io.BufferedReader(raw, BUFFER)  # type: ignore[return-value]
     except BaseException:
         os.close(descriptor)
         raise

@@ -118,7 +118,8 @@ def _not_found(missing: Sequence[str], names: Sequence[str]) -> str:
     sought = ", ".join(f"Left{s.capitalize()}" for s in SYNONYMS[missing[0][2:]] if s.isascii())
     return (
         f"no joint for {', '.join(missing)}: looked for {sought} … (or as l_, L, .L, 左); there is "
-        f'{_listed(names)}; say which is which with a joint map, {{"{missing[0]}": "NAME", …}}'
+        f"{_listed(names)}; say which is which by a joint map (--joint-map FILE), "
+        f'{{"{missing[0]}": "NAME", …}}'
     )
 
 

@@ -2,14 +2,13 @@
 
 import hashlib
 import logging
-import os
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import msgspec
 
 from studio.errors import StudioError
-from studio.files import open_regular
+from studio.files import open_regular, write_whole
 from studio.human.joint_names import MAPPABLE
 
 log = logging.getLogger(__name__)
@@ -58,11 +57,15 @@ class JointMaps:
     def __init__(self, sessions: str | Path) -> None:
         self._folder = Path(sessions) / FOLDER
 
-    def of(self, names: Iterable[str]) -> JointMap | None:
-        """The map for a skeleton of these joints; None where there is none that can be read."""
+    def of(self, names: Sequence[str]) -> JointMap | None:
+        """The map for a skeleton of these joints; None where there is none that can be read.
+
+        What it says of end sites that this one lacks is left out.
+        """
         path = self._path(names)
         try:
-            return msgspec.json.decode(path.read_bytes(), type=_Kept).map
+            kept = msgspec.json.decode(path.read_bytes(), type=_Kept).map
+            return {joint: own for joint, own in kept.items() if set(own) <= set(names)}
         except FileNotFoundError:
             return None
         except (OSError, msgspec.DecodeError) as error:
@@ -77,10 +80,7 @@ class JointMaps:
             if not joint_map:
                 path.unlink(missing_ok=True)
                 return
-            path.parent.mkdir(parents=True, exist_ok=True)
-            temporary = path.with_name(f"{path.name}.{os.getpid()}.tmp")
-            temporary.write_bytes(msgspec.json.format(msgspec.json.encode(kept)))
-            temporary.replace(path)
+            write_whole(path, msgspec.json.format(msgspec.json.encode(kept)), parents=True)
         except OSError as error:
             raise StudioError(f"the joint map was not kept: {error.strerror or error}") from error
 

@@ -8,13 +8,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from studio.errors import StudioError
-from studio.files import open_regular
+from studio.files import BUFFER, open_regular
 
 MAX_LINE = 200_000
 """Characters in a line; no honest frame is longer."""
 _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"),
           (codecs.BOM_UTF16_BE, "utf-16"))  # fmt: skip
-_SNIFFED = 65_536
 _NAMING = ("root", "joint", "end")
 """First words of lines whose other words are names, not numbers."""
 
@@ -73,7 +72,7 @@ class Lines:
 def open_text(path: Path, max_bytes: int) -> io.TextIOWrapper:
     """A regular file as text, in the encoding its beginning shows; see `open_regular`."""
     file = open_regular(path, max_bytes)
-    encoding = encoding_of(file.peek(_SNIFFED)[:_SNIFFED])  # type: ignore[attr-defined]
+    encoding = encoding_of(file.peek(BUFFER))  # type: ignore[attr-defined]
     return io.TextIOWrapper(file, encoding=encoding, errors="replace", newline=None)
 
 

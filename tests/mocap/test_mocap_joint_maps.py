@@ -111,6 +111,8 @@ def test_maps_are_kept_by_the_set_of_names_and_forgotten_when_empty(tmp_path):
     maps = JointMaps(tmp_path)
     maps.remember(["a", "b", "b/end"], {"l_hip": ["a"]})
     assert maps.of(["b", "a"]) == {"l_hip": ["a"]}
+    maps.remember(["a", "b", "b/end"], {"l_hip": ["a"], "head": ["b", "b/end"], "l_toe": []})
+    assert maps.of(["b", "a"]) == {"l_hip": ["a"], "l_toe": []}
     assert maps.of(["a", "b", "c"]) is None
     maps.remember(["a", "b"], {})
     assert maps.of(["a", "b"]) is None
