@@ -1,15 +1,22 @@
-"""What lies on disk: written whole or not at all, and known by what it was made from."""
+"""What lies on disk: regular files, written whole or not at all, known by what they are made of."""
 
 import hashlib
+import io
 import os
 import shutil
+import stat
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from glob import escape
 from pathlib import Path
+from typing import BinaryIO
+
+from studio.errors import StudioError
 
 STUDIO = Path(__file__).resolve().parent
+BUFFER = 65_536
+"""Bytes that can be looked at ahead (`peek`)."""
 
 
 @contextmanager
@@ -79,3 +86,55 @@ def fingerprint(*parts: str | Path) -> str:
 def _code(name: str) -> list[Path]:
     room = STUDIO / name
     return sorted(room.rglob("*.py")) if room.is_dir() else [room.with_suffix(".py")]
+
+
+def open_regular(path: str | Path, max_bytes: int) -> BinaryIO:
+    """A regular file opened for reading bytes, up to the size that it has now.
+
+    A device or a pipe could hold the reader for ever, so it is refused before it is opened, as is
+    more than max_bytes. Raises StudioError for these, and for what is not there.
+    """
+    path = Path(path)
+    try:
+        _check(path, os.stat(path), max_bytes)
+        # Not blocking: between the two looks a pipe may have taken the file's place.
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+    except (OSError, ValueError) as error:  # ValueError: a NUL in the path
+        raise StudioError(f"cannot read {path}: {error}; give a file") from error
+    try:
+        about = os.fstat(descriptor)
+        _check(path, about, max_bytes)
+        raw = _UpTo(os.fdopen(descriptor, "rb", 0), about.st_size)  # type: ignore[arg-type]
+        return io.BufferedReader(raw, BUFFER)  # type: ignore[return-value]
+    except BaseException:
+        os.close(descriptor)
+        raise
+
+
+def _check(path: Path, about: os.stat_result, max_bytes: int) -> None:
+    if not stat.S_ISREG(about.st_mode):
+        raise StudioError(f"cannot read {path}: it is no regular file; give a file")
+    if about.st_size > max_bytes:
+        raise StudioError(
+            f"cannot read {path}: {about.st_size / 2**20:.0f} MB, and at most "
+            f"{max_bytes / 2**20:g} MB are read; cut it into shorter ones"
+        )
+
+
+class _UpTo(io.RawIOBase):
+    """The first bytes of a file: one that grows while it is read, or lies about its size, ends."""
+
+    def __init__(self, file: io.FileIO, size: int) -> None:
+        self._file, self._left = file, size
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
+        got = self._file.readinto(memoryview(buffer)[: self._left]) or 0
+        self._left -= got
+        return got
+
+    def close(self) -> None:
+        self._file.close()
+        super().close()

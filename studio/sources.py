@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from studio.errors import StudioError, unknown_name
+from studio.mocap.joint_maps import JointMap, JointMaps
 from studio.mocap.source import Source, SourceEnded, poses
 
 __all__ = ["SOURCES", "Source", "SourceEnded", "SourceKind", "open_source", "poses"]
@@ -22,7 +23,8 @@ class Opening:
     argument: str | None
     seed: int
     style: str
-    sessions: Path | None
+    sessions: Path
+    joint_map: JointMap | None
 
     def needed(self) -> str:
         """The argument, or a StudioError saying that one is needed."""
@@ -53,24 +55,25 @@ def _operator(o: Opening) -> Source:
 
 
 def _bvh(o: Opening) -> Source:
-    from studio.mocap.bvh import load_bvh
+    from studio.mocap.bvh import read_bvh
     from studio.mocap.clip_source import ClipSource
 
-    return ClipSource(load_bvh(o.needed()), o.spec)
+    recorded = read_bvh(o.needed(), o.joint_map, JointMaps(o.sessions))
+    return ClipSource(recorded.clip, o.spec, recorded.report)
 
 
 def _frames(o: Opening) -> Source:
     from studio.mocap.clip_source import ClipSource
-    from studio.mocap.frames import load_frames
+    from studio.mocap.frames import read_frames
 
-    clip, rejected = load_frames(o.needed())
-    return ClipSource(clip, o.spec, rejected)
+    recorded = read_frames(o.needed())
+    return ClipSource(recorded.clip, o.spec, recorded.report)
 
 
 def _take(o: Opening) -> Source:
     from studio.mocap.take import TakeSource
 
-    return TakeSource(o.needed(), o.sessions or DEFAULT_SESSIONS)
+    return TakeSource(o.needed(), o.sessions)
 
 
 def _stream(o: Opening) -> Source:
@@ -84,9 +87,7 @@ SOURCES: dict[str, SourceKind] = {
         usage="operator[:TASK]", about="the built-in synthetic operator", open=_operator
     ),
     "bvh": SourceKind(usage="bvh:FILE", about="motion capture in a BVH file", open=_bvh),
-    "frames": SourceKind(
-        usage="frames:FILE", about="recorded human frames, a JSON object a line", open=_frames
-    ),
+    "frames": SourceKind(usage="frames:FILE", about="recorded human frames in JSON", open=_frames),
     "take": SourceKind(usage="take:NAME", about="the human side of a recorded take", open=_take),
     "stream": SourceKind(usage="stream", about="frames sent to WS /api/human", open=_stream),
 }
@@ -94,11 +95,17 @@ SOURCES: dict[str, SourceKind] = {
 
 
 def open_source(
-    spec: str, *, seed: int = 0, style: str = "march", sessions: str | Path | None = None
+    spec: str,
+    *,
+    seed: int = 0,
+    style: str = "march",
+    sessions: str | Path | None = None,
+    joint_map: JointMap | None = None,
 ) -> Source:
     """Open the source that `spec` names: NAME or NAME:ARGUMENT, as listed in SOURCES.
 
-    seed, style: of the synthetic operator. sessions: the folder takes are looked for in.
+    seed, style: of the synthetic operator. sessions: the folder takes are looked for in, and joint
+    maps. joint_map: which joint of a BVH is which; remembered for all with the same joint names.
     Raises StudioError for an unknown name (listing the known), a missing or needless argument,
     and whatever the source itself cannot read.
     """
@@ -108,12 +115,15 @@ def open_source(
         raise unknown_name("source", spec, (k.usage for k in SOURCES.values()))
     if colon and ":" not in kind.usage:
         raise StudioError(f"source {name!r} takes no argument: write {kind.usage}")
+    if joint_map is not None and name != "bvh":
+        raise StudioError(f"source {name!r} takes no joint map: its joints are known; a BVH does")
     return kind.open(
         Opening(
             spec=spec,
             argument=argument or None,
             seed=seed,
             style=style,
-            sessions=Path(sessions) if sessions is not None else None,
+            sessions=Path(sessions) if sessions is not None else DEFAULT_SESSIONS,
+            joint_map=joint_map,
         )
     )

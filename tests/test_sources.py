@@ -13,7 +13,8 @@ from studio.human.pose import HumanClip, HumanPose
 from studio.human.skeleton import INDEX, NEUTRAL
 from studio.mocap.clip_source import ClipSource
 from studio.mocap.frames import load_frames
-from studio.mocap.gate import FrameRejected, object_of
+from studio.mocap.gate import object_of
+from studio.mocap.raw_frame import FrameRejected
 from studio.mocap.source import poses as source_poses
 from studio.mocap.stream import StreamSource
 from studio.robot.pose import ReferencePose, RobotState
@@ -215,7 +216,7 @@ def test_an_unknown_task_of_the_operator_lists_the_known_ones():
 def test_bad_lines_of_a_file_are_refused_and_counted(tmp_path):
     lines = [json.dumps(object_of(p)) for p in poses(6)]
     lines[1] = "not json"
-    lines[3] = lines[3].replace("0.0", "NaN", 1)
+    lines[3] = lines[3].replace("0.0", "Infinity", 1)
     lines[4:4] = ["", lines[0]]  # blank is fine; the first again is time going backwards
     clip, rejected = load_frames(write_frames(tmp_path / "a.jsonl", lines))
     assert (len(clip), rejected) == (4, 3)

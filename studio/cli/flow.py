@@ -39,6 +39,9 @@ class Drive:
     """Write a JSON line per tick to this file."""
     realtime: bool = False
     """Pace it at 30 Hz."""
+    joint_map: Path | None = None
+    """JSON that says which joint of a BVH is which, {"l_hip": "NAME", …}: remembered for others
+    with the same joint names."""
 
 
 @dataclass(frozen=True, kw_only=True)

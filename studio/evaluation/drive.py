@@ -14,6 +14,7 @@ from studio.control.command import FOLLOW, DriveCommand, PuppeteerConfig
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport, trace_line
 from studio.human.calibration import calibrate
+from studio.mocap.joint_maps import read_joint_map
 from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
 from studio.sources import Source, open_source, poses
@@ -30,7 +31,8 @@ class DriveConfig:
     """Settings of `drive`, see docs/contract.md; seconds None: to the end of the source.
 
     sessions: the folder of takes. record: keep the drive as a take. trace: a file for a JSON line
-    per tick. realtime: pace it at 30 Hz instead of as fast as it goes.
+    per tick. realtime: pace it at 30 Hz instead of as fast as it goes. joint_map: a JSON file that
+    says which joint of a BVH is which.
     """
 
     source: str
@@ -44,6 +46,7 @@ class DriveConfig:
     record: bool = False
     trace: Path | None = None
     realtime: bool = False
+    joint_map: Path | None = None
 
 
 def run_drive(
@@ -57,10 +60,15 @@ def run_drive(
 
     guard: what the age of the newest human pose (s, infinite before the first) calls for, see
     control.staleness. on_tick: called with every tick. source: used instead of opening that of
-    config. Raises StudioError for a source, state, style or controller that is not there.
+    config. A `_failed` in the report is the line to fail with: the source had frames, and all were
+    refused. Raises StudioError for a source, state, style or controller that is not there.
     """
     source = source or open_source(
-        config.source, seed=config.seed, style=config.style, sessions=config.sessions
+        config.source,
+        seed=config.seed,
+        style=config.style,
+        sessions=config.sessions,
+        joint_map=read_joint_map(config.joint_map) if config.joint_map is not None else None,
     )
     with contextlib.ExitStack() as stack:
         stack.callback(source.close)
@@ -92,6 +100,11 @@ def run_drive(
                 sink(tick)
         expected = seconds if source.duration is None else min(seconds, source.duration)
         out = report.summary(expected, rejected_by_source=source.rejected)
+        found = source.report.and_refused(puppeteer.person.refused)
+        out["source_report"] = found.as_dict()
+        if out["frames"] == 0 and found.refused.frames:
+            why = f"all {found.refused.frames} frames were refused, {found.refused.why[0]}"
+            out["_failed"] = f"{config.source}: {why}"
         if config.record:
             out["take"] = taken
         return out

@@ -7,6 +7,7 @@ import numpy as np
 
 from studio.human.pose import HumanPose
 from studio.human.skeleton import INDEX
+from studio.mocap.report import SourceReport
 from studio.mocap.source import Source
 
 
@@ -36,7 +37,7 @@ _THROW = 0.35
 """m by which a limb is thrown aside."""
 
 
-class Impaired:
+class Impaired(Source):
     """Wraps a source; the same seed impairs it the same way. One thread only."""
 
     def __init__(self, source: Source, impairment: Impairment, seed: int = 0) -> None:
@@ -49,9 +50,9 @@ class Impaired:
         self._last_t = 0.0
 
     @property
-    def rejected(self) -> int:
-        """Frames that the source itself refused."""
-        return self._source.rejected
+    def report(self) -> SourceReport:
+        """As the source's own: what it found, and what it refused."""
+        return self._source.report
 
     def calibration_poses(self) -> list[HumanPose]:
         """As the source's: somebody calibrates in peace."""

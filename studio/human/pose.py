@@ -50,20 +50,24 @@ class HumanClip:
         period = float(np.median(np.diff(self.t))) if len(self.t) > 1 else 1.0 / 30.0
         return float(self.t[-1] - self.t[0]) + period
 
-    def at_rate(self, rate: float) -> "HumanClip":
-        """The clip as a loop at `rate` Hz sees it: at each period the newest frame so far.
+    def newest(self, rate: float) -> NDArray[np.int64]:
+        """(N,) which frame a loop at `rate` Hz goes by in each of its periods: the newest so far.
 
         Times are counted from the clip's start; the same rule, half a period of tolerance
-        included, as a source's `read`.
+        included, as a source's `read`. A frame comes again where there is no newer one.
         """
         period = 1.0 / rate
         count = max(int(np.ceil((self.seconds - 1e-9) / period - 0.5)), 1)
         t = np.arange(count, dtype=np.float64) * period
         newest = np.searchsorted(self.t - self.t[0], t + 0.5 * period - 1e-9) - 1
-        newest = np.maximum(newest, 0)
+        return np.maximum(newest, 0)
+
+    def at_rate(self, rate: float) -> "HumanClip":
+        """The clip as a loop at `rate` Hz sees it, period by period; see `newest`."""
+        newest = self.newest(rate)
         return HumanClip(
             name=self.name,
-            t=t,
+            t=np.arange(len(newest), dtype=np.float64) / rate,
             joint_pos_w=self.joint_pos_w[newest],
             confidence=self.confidence[newest],
         )

@@ -1,13 +1,12 @@
 """The skeletons sensors and files speak, and the linear map of each onto the canonical joints."""
 
-import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio.errors import StudioError, unknown_name
+from studio.errors import unknown_name
 from studio.human.skeleton import HEAD_NECK_RATIO, INDEX, JOINTS, NUM_JOINTS, PARENTS
 
 Array = NDArray[np.float64]
@@ -18,7 +17,22 @@ AXES_CAMERA_Y_DOWN: Array = np.array([[0, 0, -1], [1, 0, 0], [0, -1, 0]], dtype=
 """MediaPipe and Azure Kinect: x to the image's right, y down, z away; the person faces it."""
 AXES_KINECT2: Array = np.array([[0, 0, -1], [-1, 0, 0], [0, 1, 0]], dtype=float)
 """Kinect v2: x to the sensor's left, which is the facing person's right, y up, z away."""
-AXES_Y_UP: Array = np.array([[0, 0, 1], [1, 0, 0], [0, 1, 0]], dtype=float)
+
+
+def axes_for(up: str, mirrored: bool = False) -> Array:
+    """The axes (3, 3) of a world whose `up` is "x", "y", "z" or one of these with a "-".
+
+    right-handed, people facing the axis after it (+z in a y-up world); mirrored: left-handed.
+    """
+    sign, axis = (-1.0 if up[0] == "-" else 1.0), "xyz".index(up[-1])
+    out = np.zeros((3, 3))
+    out[0, (axis + 1) % 3] = 1.0
+    out[1, (axis + 2) % 3] = -sign if mirrored else sign
+    out[2, axis] = sign
+    return out
+
+
+AXES_Y_UP: Array = axes_for("y")
 """BVH and other right-handed Y-up worlds with people facing +z at rest."""
 
 
@@ -44,12 +58,28 @@ class SourceSkeleton:
         filled = self.weights.copy()
         for joint in np.flatnonzero(~self.weights.any(axis=1)):
             filled[joint] = filled[PARENTS[joint]]  # parents come first, so theirs is filled
-        object.__setattr__(self, "weights", filled)
+        object.__setattr__(self, "_filled", filled)
 
     @property
     def num_joints(self) -> int:
         """Joints in a frame of this skeleton."""
         return len(self.joints)
+
+    @property
+    def found(self) -> dict[str, tuple[str, ...]]:
+        """Each canonical joint there is, and the source's joints it is made of."""
+        lacks: NDArray[np.bool_] = self._lacks  # type: ignore[attr-defined]
+        return {
+            joint: tuple(self.joints[k] for k in np.flatnonzero(self.weights[i]))
+            for i, joint in enumerate(JOINTS)
+            if not lacks[i]
+        }
+
+    @property
+    def up_axis(self) -> str:
+        """The source's axis that points up: "y", "-y" …"""
+        axis = int(np.argmax(np.abs(self.axes[2])))
+        return ("-" if self.axes[2, axis] < 0.0 else "") + "xyz"[axis]
 
     def to_canonical(
         self, positions: ArrayLike, confidence: ArrayLike | None = None
@@ -62,7 +92,7 @@ class SourceSkeleton:
         """
         positions = np.asarray(positions, dtype=np.float64)
         assert positions.shape[-2:] == (self.num_joints, 3), positions.shape
-        out = self.weights @ positions @ self.axes.T
+        out = self._filled @ positions @ self.axes.T  # type: ignore[attr-defined]
         lacks: NDArray[np.bool_] = self._lacks  # type: ignore[attr-defined]
         if confidence is None:
             sure = np.broadcast_to(np.where(lacks, 0.0, 1.0), out.shape[:-1]).copy()
@@ -73,11 +103,11 @@ class SourceSkeleton:
         return out, sure
 
 
-def _skeleton(
+def skeleton_of(
     name: str,
     joints: Sequence[str],
     axes: Array,
-    parts: dict[str, Sequence[str]],
+    parts: Mapping[str, Sequence[str]],
     full_confidence: float = 1.0,
 ) -> SourceSkeleton:
     """Build the map: each canonical joint is the mean of the source joints named in `parts`.
@@ -142,7 +172,7 @@ SKELETONS: dict[str, SourceSkeleton] = {
     "studio": SourceSkeleton(
         name="studio", joints=JOINTS, axes=AXES_STUDIO, weights=np.eye(NUM_JOINTS)
     ),
-    "mediapipe": _skeleton(
+    "mediapipe": skeleton_of(
         "mediapipe",
         _MEDIAPIPE,
         AXES_CAMERA_Y_DOWN,
@@ -152,7 +182,7 @@ SKELETONS: dict[str, SourceSkeleton] = {
         },
     ),
     # Azure Kinect: 0 none, 1 low (guessed), 2 medium, 3 high; today's SDK never says more than 2.
-    "k4abt": _skeleton(
+    "k4abt": skeleton_of(
         "k4abt",
         _K4ABT,
         AXES_CAMERA_Y_DOWN,
@@ -160,7 +190,7 @@ SKELETONS: dict[str, SourceSkeleton] = {
         full_confidence=2.0,
     ),
     # Kinect v2: 0 not tracked, 1 inferred, 2 tracked.
-    "kinect2": _skeleton(
+    "kinect2": skeleton_of(
         "kinect2",
         _KINECT2,
         AXES_KINECT2,
@@ -176,59 +206,3 @@ def skeleton(name: str) -> SourceSkeleton:
     if name not in SKELETONS:
         raise unknown_name("skeleton", name, SKELETONS)
     return SKELETONS[name]
-
-
-# Names of BVH joints, best first, {} is the side as left/right or l/r. MotionBuilder's
-# LeftShoulder is a collar bone and its LeftArm the shoulder; elsewhere LeftShoulder is the
-# shoulder, so order decides. Lower case, only letters and digits.
-_BVH_NAMES: dict[str, tuple[str, ...]] = {
-    "shoulder": ("{}arm", "{}uparm", "{}upperarm", "{}shldr", "{}humerus", "{}shoulder"),
-    "elbow": ("{}forearm", "{}elbow", "{}lowarm", "{}lowerarm", "{}radius"),
-    "wrist": ("{}wrist", "{}hand"),
-    "hip": ("{}upleg", "{}upperleg", "{}thigh", "{}femur", "{}hip"),
-    "knee": ("{}knee", "{}leg", "{}lowleg", "{}lowerleg", "{}shin", "{}calf", "{}tibia"),
-    "ankle": ("{}ankle", "{}foot"),
-    "toe": ("{}toebase", "{}toe", "{}toes", "{}foot"),
-}
-_BVH_NEEDED = ("shoulder", "hip", "knee", "ankle")
-
-
-def bvh_skeleton(names: Sequence[str], axes: Array = AXES_Y_UP) -> SourceSkeleton:
-    """The map for a BVH hierarchy: CMU, MotionBuilder, cgspeed (Poser), Acclaim, Mixamo names.
-
-    names: joint names in file order; the end site of joint J is named "J/end". The head is the
-    middle between the head joint and its end site. Raises StudioError naming what is missing
-    when hips, knees, ankles or shoulders cannot be found.
-    """
-    plain: dict[str, str] = {}
-    short = [name.rsplit(":", 1)[-1].lower() for name in names]  # "mixamorig:LeftArm"
-    # "Character1_LeftArm", "Bip01_L_Thigh": whatever all begin with, letter by letter.
-    prefix = len(os.path.commonprefix(short))  # noqa: RUF071
-    for name, own in zip(names, short):
-        key = "".join(ch for ch in own[prefix:] if ch.isalnum() or ch == "/")
-        plain.setdefault(key, name)
-    parts: dict[str, Sequence[str]] = {}
-    for side, words in (("l", ("left", "l")), ("r", ("right", "r"))):
-        taken: set[str] = set()
-        for joint, patterns in _BVH_NAMES.items():
-            # "LeftArm", "l_arm" and Blender's "arm.L" alike
-            options = [
-                o for p in patterns for word in words for o in (p.format(word), p.format("") + word)
-            ]
-            found = next((plain[o] for o in options if o in plain and plain[o] not in taken), None)
-            if found is None and joint == "toe" and f"{side}_ankle" in parts:
-                end = f"{parts[f'{side}_ankle'][0]}/end"
-                found = end if end in names else None
-            if found is not None:
-                taken.add(found)
-                parts[f"{side}_{joint}"] = [found]
-    missing = [f"{s}_{j}" for s in "lr" for j in _BVH_NEEDED if f"{s}_{j}" not in parts]
-    if missing:
-        raise StudioError(
-            f"no joint for {', '.join(missing)}: name them as CMU or MotionBuilder do "
-            "(LeftUpLeg, LeftLeg, LeftFoot, LeftArm, LeftForeArm, LeftHand, Head …)"
-        )
-    head = next((plain[k] for k in ("head", "neck1", "neck") if k in plain), None)
-    if head is not None:
-        parts["head"] = [head, f"{head}/end"] if f"{head}/end" in names else [head]
-    return _skeleton("bvh", names, axes, parts)

@@ -49,6 +49,7 @@ def state_dict(
         "reason": session.reason,
         "stale_s": None if stale is None else round(stale, 3),
         "source": session.source.name,
+        "source_report": session.source.report.and_refused(puppeteer.person.refused).as_dict(),
         "scene": session.scene,
         "latency_ms": of_tick["timings_ms"],
         "period_error_ms": {"p50": round(p50, 3), "p95": round(p95, 3), "p99": round(p99, 3)},

@@ -1,20 +1,17 @@
 """The HIERARCHY of a BVH file: words → joints, channels and their forward kinematics."""
 
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from typing import TextIO
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.errors import StudioError
+from studio.mocap.text import Lines
 
 Array = NDArray[np.float64]
 ByJoint = tuple[tuple[tuple[int, int], ...], ...]
 
 MAX_JOINTS = 1_000
-MAX_LINE = 200_000
-"""Characters in a line; no honest frame is longer."""
 _AXIS = {"x": 0, "y": 1, "z": 2}
 
 
@@ -22,8 +19,9 @@ _AXIS = {"x": 0, "y": 1, "z": 2}
 class Hierarchy:
     """Joints in file order (end sites too, as "J/end"), and the columns of the motion table.
 
-    names: J. parents: index of each's parent, -1 for the root. offsets: (J, 3) file units.
-    positions, rotations: per joint (axis, column) in file order. num_channels: columns.
+    names: J. parents: index of each's parent, -1 for the root. offsets: (J, 3) file units: the
+    rest pose. positions, rotations: per joint (axis, column) in file order. num_channels: columns.
+    added: positions of all but the root are added to OFFSET; else they replace it.
     """
 
     names: tuple[str, ...]
@@ -32,26 +30,57 @@ class Hierarchy:
     positions: ByJoint
     rotations: ByJoint
     num_channels: int
+    added: bool = False
 
-    def joint_pos(self, motion: Array) -> Array:
+    def rest_pos(self) -> Array:
+        """(J, 3), file units: the joints of the rest pose, the root where its OFFSET says."""
+        pos = self.offsets.copy()
+        for j, parent in enumerate(self.parents):
+            if parent >= 0:
+                pos[j] += pos[parent]
+        return pos
+
+    def joint_pos(self, motion: Array, joints: Iterable[int] | None = None) -> Array:
         """Forward kinematics: rows (T, C), angles in degrees → (T, J, 3), file units and axes.
 
-        A joint's R is R1 R2 R3 in the order of its channels; position channels replace OFFSET.
+        A joint's R is R1 R2 R3 in the order of its channels; position channels replace OFFSET
+        unless `added`. joints: those that matter (default all); others come back as zeros.
         """
         num = len(motion)
-        pos = np.empty((num, len(self.names), 3))
-        rot: list[Array] = []
-        for j, parent in enumerate(self.parents):
+        pos = np.zeros((num, len(self.names), 3))
+        rot: dict[int, Array] = {-1: np.broadcast_to(np.eye(3), (num, 3, 3))}
+        for j in sorted(self._with_ancestors(range(len(self.names)) if joints is None else joints)):
+            parent = self.parents[j]
             local = np.broadcast_to(self.offsets[j], (num, 3)).copy()
             for axis, column in self.positions[j]:
-                local[:, axis] = motion[:, column]
-            turn = rot[parent] if parent >= 0 else np.broadcast_to(np.eye(3), (num, 3, 3))
+                kept = self.offsets[j][axis] if self.added and parent >= 0 else 0.0
+                local[:, axis] = kept + motion[:, column]
+            turn = rot[parent]
             at = pos[:, parent] if parent >= 0 else 0.0
             pos[:, j] = at + (turn @ local[..., None])[..., 0]
             for axis, column in self.rotations[j]:
                 turn = turn @ _about(axis, np.radians(motion[:, column]))
-            rot.append(turn)
+            rot[j] = turn
         return pos
+
+    def _with_ancestors(self, joints: Iterable[int]) -> set[int]:
+        out: set[int] = set()
+        for joint in joints:
+            while joint >= 0 and joint not in out:
+                out.add(joint)
+                joint = self.parents[joint]
+        return out
+
+    def as_in(self, row: Array) -> "Hierarchy":
+        """The same with `added` as a first row (C,) shows it: positions that are all about zero, of
+        joints whose OFFSETs are not, are displacements."""
+        said = [
+            (np.linalg.norm([row[c] for _, c in self.positions[j]]), np.linalg.norm(offset))
+            for j, offset in enumerate(self.offsets)
+            if self.parents[j] >= 0 and len(self.positions[j]) == 3
+        ]
+        told, rest = np.median(said, axis=0) if said else (0.0, 0.0)
+        return replace(self, added=bool(told < 0.1 * rest))
 
 
 def _about(axis: int, angle: Array) -> Array:
@@ -65,61 +94,11 @@ def _about(axis: int, angle: Array) -> Array:
     return out
 
 
-class Lines:
-    """A text file as lines of words that know their number; `error` names the line."""
-
-    def __init__(self, file: TextIO, name: str) -> None:
-        self._file, self.name, self.number = file, name, 0
-        self._words: list[str] = []
-
-    def error(self, what: str) -> StudioError:
-        """The complaint about the line read last."""
-        return StudioError(f"{self.name}, line {self.number}: {what}")
-
-    def rows(self) -> Iterator[list[str]]:
-        """The words of each line left that is not blank; a brace is always a word of its own."""
-        while text := self._file.readline(MAX_LINE + 1):
-            self.number += 1
-            if len(text) > MAX_LINE:
-                raise self.error(f"longer than {MAX_LINE} characters: this is no BVH file")
-            if "{" in text or "}" in text:
-                text = text.replace("{", " { ").replace("}", " } ")
-            if words := text.split():
-                yield words
-
-    def word(self) -> str:
-        """The next word, on this line or a later one."""
-        if not self._words:
-            self._words = next(self.rows(), [])
-        if not self._words:
-            raise self.error("the file ends here, inside its header")
-        return self._words.pop(0)
-
-    def name_until_brace(self) -> str:
-        """What is left of this line, up to a brace, as one name (some names hold blanks)."""
-        name = []
-        while self._words and self._words[0] != "{":
-            name.append(self._words.pop(0))
-        if not name:
-            raise self.error("a joint without a name")
-        return " ".join(name)
-
-    def finite(self, word: str) -> float:
-        """The number a word says."""
-        try:
-            value = float(word)
-        except ValueError:
-            raise self.error(f"{word[:40]!r} is no number") from None
-        if not np.isfinite(value):
-            raise self.error(f"{word[:40]!r} is not finite")
-        return value
-
-
 @dataclass(kw_only=True)
 class _Joint:
     name: str
     parent: int
-    offset: Array = field(default_factory=lambda: np.zeros(3))
+    offset: Array | None = None
     channels: list[tuple[str, int, int]] = field(default_factory=list)  # kind, axis, column
 
 
@@ -135,12 +114,16 @@ def read_hierarchy(lines: Lines) -> Hierarchy:
         word = lines.word()
         key = word.lower()
         inside = bool(stack) and not opening
-        if key == "root" and not joints:
-            joints.append(_Joint(name=lines.name_until_brace(), parent=-1))
-            opening = True
-        elif key in ("joint", "end") and inside:
-            name = _end(lines, joints[stack[-1]]) if key == "end" else lines.name_until_brace()
-            joints.append(_Joint(name=name, parent=stack[-1]))
+        if (key == "root" and not joints) or (key in ("joint", "end") and inside):
+            name = lines.name_until_brace()  # of an end site "Site", and what some call it
+            if not name:
+                raise lines.error(
+                    "a joint without a name" if key != "end" else "End is followed by Site"
+                )
+            parent = stack[-1] if stack else -1
+            if key == "end":
+                name = f"{joints[parent].name}/end"
+            joints.append(_Joint(name=name, parent=parent))
             opening = True
         elif key == "{" and opening:
             stack.append(len(joints) - 1)
@@ -148,7 +131,7 @@ def read_hierarchy(lines: Lines) -> Hierarchy:
         elif key == "}" and inside:
             stack.pop()
         elif key == "offset" and inside:
-            joints[stack[-1]].offset = np.array([lines.finite(lines.word()) for _ in range(3)])
+            _read_offset(lines, joints[stack[-1]])
         elif key == "channels" and inside:
             columns = _read_channels(lines, joints[stack[-1]], columns)
         elif key == "motion" and not opening and not stack and columns:
@@ -165,21 +148,24 @@ def _where(joints: list[_Joint], stack: list[int]) -> str:
     return f"after {joints[-1].name}" if joints else "where ROOT NAME should come"
 
 
-def _end(lines: Lines, parent: _Joint) -> str:
-    if lines.word().lower() != "site":
-        raise lines.error("End is followed by Site")
-    return f"{parent.name}/end"
+def _read_offset(lines: Lines, joint: _Joint) -> None:
+    if joint.offset is not None:
+        raise lines.error(f"OFFSET of {joint.name}: once per joint")
+    joint.offset = np.array([lines.finite(lines.word()) for _ in range(3)])
 
 
 def _read_channels(lines: Lines, joint: _Joint, column: int) -> int:
-    """Read CHANNELS of one joint; the number of columns so far, with these."""
+    """Read CHANNELS of one joint; the number of columns so far, with these.
+
+    Channels of scale have their columns and mean nothing: bones do not grow.
+    """
     count = lines.finite(lines.word())
-    if joint.channels or count not in range(7):
-        raise lines.error(f"CHANNELS {count:g} of {joint.name}: once per joint, 0 to 6 of them")
+    if joint.channels or count not in range(10):
+        raise lines.error(f"CHANNELS {count:g} of {joint.name}: once per joint, 0 to 9 of them")
     for k in range(int(count)):
         word = lines.word().lower()
         kind, axis = word[1:], _AXIS.get(word[:1])
-        if axis is None or kind not in ("position", "rotation"):
+        if axis is None or kind not in ("position", "rotation", "scale"):
             raise lines.error(f"{word[:40]!r} is no channel: Xposition … Zrotation are")
         joint.channels.append((kind, axis, column + k))
     return column + int(count)
@@ -192,7 +178,7 @@ def _hierarchy(joints: list[_Joint], columns: int) -> Hierarchy:
     return Hierarchy(
         names=tuple(joint.name for joint in joints),
         parents=tuple(joint.parent for joint in joints),
-        offsets=np.array([joint.offset for joint in joints]),
+        offsets=np.array([np.zeros(3) if j.offset is None else j.offset for j in joints]),
         positions=by_joint("position"),
         rotations=by_joint("rotation"),
         num_channels=columns,

@@ -1,11 +1,12 @@
-"""A clip held in memory → a source: what `bvh:` and `frames:` play."""
+"""A recorded motion held in memory → a source: what `bvh:` and `frames:` play."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from studio.human.pose import HumanClip, HumanPose
-from studio.mocap.source import SourceEnded
+from studio.mocap.report import OWN, SourceReport
+from studio.mocap.source import Source, SourceEnded
 from studio.robot.a1 import CONTROL_DT
 
 TOLERANCE = 0.5 * CONTROL_DT
@@ -13,18 +14,19 @@ TOLERANCE = 0.5 * CONTROL_DT
 CALIBRATION_POSES = 300
 
 
-class ClipSource:
-    """Plays a HumanClip from its first frame, which is time 0."""
+class ClipSource(Source):
+    """Plays a HumanClip from its first frame, which is time 0. report: what reading it found."""
 
     starts_live = True
 
-    def __init__(self, clip: HumanClip, name: str | None = None, rejected: int = 0) -> None:
+    def __init__(
+        self, clip: HumanClip, name: str | None = None, report: SourceReport = OWN
+    ) -> None:
         self.name = name if name is not None else clip.name
-        self.clip = clip
+        self.clip, self._report = clip, report
         self._t = clip.t - clip.t[0]
         self.duration: float | None = clip.seconds
         self._given = -1
-        self._rejected = rejected
 
     def read(self, t: float) -> HumanPose | None:
         """The newest pose with time <= t not given before; SourceEnded once its time is over."""
@@ -43,9 +45,9 @@ class ClipSource:
         return [self.clip[i] for i in range(0, len(self.clip), step)]
 
     @property
-    def rejected(self) -> int:
-        """Lines of the file that were refused."""
-        return self._rejected
+    def report(self) -> SourceReport:
+        """What was found in the file."""
+        return self._report
 
     def close(self) -> None:
         """Nothing is held open."""

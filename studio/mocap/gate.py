@@ -8,23 +8,20 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.human.posture import SEEN
 from studio.human.sources import SKELETONS, SourceSkeleton
+from studio.mocap.raw_frame import FrameRejected, arrays_of, parse_frame
 
 Array = NDArray[np.float64]
 
-MAX_BYTES = 65_536
-"""A frame of 33 joints takes some 2 kB."""
 MAX_RATE, BURST = 120.0, 30.0
 """Frames a second, and how many may come at once after a pause (a network's hiccup)."""
-MAX_COORDINATE = 100.0
-"""m from the sensor's origin, for joints it says it sees or not."""
+MAX_COORDINATE = 1e5
+"""m from the source's origin, which may be a map's, for joints it says it sees or not."""
 MIN_EXTENT, MAX_EXTENT = 0.25, 2.5
 """m, the farthest seen joint from the middle of all: tells millimetres from metres."""
 MAX_SPEED = 20.0
@@ -36,36 +33,23 @@ MAX_AHEAD, MAX_AGE = 1.0, 1.0
 _AGE_LEAK = 0.3
 ANEW = 5.0
 """s without a good frame after which a stream begins anew: any time stamp, any skeleton."""
-_SHAPE = '{"t": seconds, "skeleton": NAME, "positions": [[x, y, z], …] in m, "confidence": [c, …]}'
-
-
-class FrameRejected(StudioError):
-    """A frame that does not fit; the message says what is wrong and what would fit."""
-
-
-class _Frame(msgspec.Struct):
-    t: float
-    skeleton: str
-    positions: list[tuple[float, float, float]]
-    confidence: list[float] | None = None
-
-
-_DECODER = msgspec.json.Decoder(_Frame)
-_UNFIT = (
-    msgspec.MsgspecError, ValueError, TypeError, OverflowError, RecursionError, MemoryError,
-    KeyError, AttributeError,
-)  # fmt: skip
 
 
 class FrameGate:
     """Checks one stream of frames; call `reset` for each new sender. One thread at a time.
 
     live: frames arrive as they happen, so rate and age are held against the clock; a recorded
-    file has neither. clock: seconds, monotonic.
+    file has neither. clock: seconds, monotonic. time_unit: seconds in the unit of the frames' t.
     """
 
-    def __init__(self, *, live: bool = True, clock: Callable[[], float] = time.monotonic) -> None:
-        self._live, self._clock = live, clock
+    def __init__(
+        self,
+        *,
+        live: bool = True,
+        clock: Callable[[], float] = time.monotonic,
+        time_unit: float = 1.0,
+    ) -> None:
+        self._live, self._clock, self._time_unit = live, clock, time_unit
         self.rejected = 0
         self.accepted = 0
         self.reset()
@@ -78,6 +62,11 @@ class FrameGate:
         self._pose: HumanPose | None = None
         self._at = -math.inf
         self._quickest = math.inf
+
+    @property
+    def skeleton(self) -> SourceSkeleton | None:
+        """What this sender's frames speak; None before the first good one."""
+        return self._skeleton
 
     def check(self, raw: object) -> HumanPose:
         """The pose in `raw` (JSON text, bytes, or the decoded object); FrameRejected otherwise."""
@@ -99,7 +88,8 @@ class FrameGate:
     def _check(self, raw: object) -> HumanPose:
         now = self._clock()
         self._begin(now)
-        frame = _parse(raw)
+        frame = parse_frame(raw)
+        t = frame.t * self._time_unit
         skeleton = SKELETONS.get(frame.skeleton)
         if skeleton is None:
             known = ", ".join(sorted(SKELETONS))
@@ -109,9 +99,10 @@ class FrameGate:
                 f"the skeleton changed from {self._skeleton.name} to {skeleton.name}: "
                 "open a new connection for another sensor"
             )
-        positions, confidence = _arrays(frame, skeleton)
+        positions, confidence = arrays_of(frame, skeleton)
+        _check_numbers(t, positions, confidence)
         joint_pos_w, sure = skeleton.to_canonical(positions, confidence)
-        pose = self._admit(HumanPose(t=frame.t, joint_pos_w=joint_pos_w, confidence=sure), now)
+        pose = self._admit(HumanPose(t=t, joint_pos_w=joint_pos_w, confidence=sure), now)
         self._skeleton = skeleton
         return pose
 
@@ -184,34 +175,6 @@ class FrameGate:
             raise FrameRejected(
                 f"a joint jumps at {speed:.3g} m/s; people stay under {MAX_SPEED:g} m/s"
             )
-
-
-def _parse(raw: object) -> _Frame:
-    if isinstance(raw, (str, bytes, bytearray, memoryview)):
-        size = len(raw)
-        if size > MAX_BYTES:
-            raise FrameRejected(f"a frame of {size} bytes; at most {MAX_BYTES} are read")
-    elif not isinstance(raw, dict):
-        raise FrameRejected(f"a frame is a JSON object {_SHAPE}, not {type(raw).__name__}")
-    try:
-        if isinstance(raw, dict):
-            return msgspec.convert(raw, _Frame)
-        return _DECODER.decode(raw)
-    except _UNFIT as e:
-        why = " ".join(str(e).split())[:160] or type(e).__name__
-        raise FrameRejected(f"{why}; a frame is {_SHAPE}") from None
-
-
-def _arrays(frame: _Frame, skeleton: SourceSkeleton) -> tuple[Array, Array | None]:
-    """Positions (n, 3) and confidence (n,) or None, right in number, finite and in range."""
-    n = skeleton.num_joints
-    for what, values in (("positions", frame.positions), ("confidences", frame.confidence)):
-        if values is not None and len(values) != n:
-            raise FrameRejected(f"{len(values)} {what}; skeleton {skeleton.name} has {n} joints")
-    positions = np.array(frame.positions)
-    confidence = None if frame.confidence is None else np.array(frame.confidence)
-    _check_numbers(frame.t, positions, confidence)
-    return positions, confidence
 
 
 def _check_numbers(t: float, positions: Array, confidence: Array | None) -> None:

@@ -5,7 +5,9 @@ import logging
 import numpy as np
 
 from studio.human.pose import HumanPose
-from studio.mocap.gate import FrameGate, FrameRejected
+from studio.mocap.gate import FrameGate
+from studio.mocap.raw_frame import FrameRejected
+from studio.mocap.report import Refused
 from studio.robot.a1 import CONTROL_DT
 
 log = logging.getLogger(__name__)
@@ -15,7 +17,8 @@ class HumanTracker:
     """Remembers the last pose and its age. One thread only.
 
     last: the newest pose that was believed. age: s since then, inf before the first. t: s on the
-    source's clock. counters: poses that came, were refused, and periods with a stale one.
+    source's clock. counters: poses that came, were refused, and periods with a stale one. refused:
+    why, of those of this person.
     """
 
     def __init__(self, *, reuse: float, stale: float) -> None:
@@ -31,6 +34,7 @@ class HumanTracker:
         self._gate.reset()
         self.last: HumanPose | None = None
         self.age, self.t = np.inf, 0.0
+        self.refused = Refused()
 
     @property
     def now(self) -> HumanPose | None:
@@ -54,6 +58,7 @@ class HumanTracker:
             self._gate.check_pose(human)
         except (FrameRejected, AttributeError, TypeError, ValueError) as error:
             self.counters["rejected"] += 1
+            self.refused = self.refused.plus(f"at {self.t:.2f} s: {error}")
             log.debug("human pose refused: %s", error)
             return False
         return True

@@ -2,13 +2,16 @@
 
 import tempfile
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from studio.errors import StudioError
 from studio.human.pose import HumanClip
-from studio.mocap.bvh import load_bvh
-from studio.mocap.frames import load_frames
+from studio.mocap.bvh import read_bvh
+from studio.mocap.frames import read_frames
+from studio.mocap.joint_maps import JointMap, JointMaps, read_joint_map
+from studio.mocap.recorded import Recorded
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1
 from studio.takes import commands
@@ -24,19 +27,27 @@ MAX_SECONDS = 6 * 3600.0
 
 
 def import_take(
-    sessions: Path, path: Path, name: str | None = None, robot: str | None = None
+    sessions: Path,
+    path: Path,
+    name: str | None = None,
+    robot: str | None = None,
+    joint_map: Path | None = None,
 ) -> dict[str, Any]:
     """Take in what was recorded elsewhere: takes (a folder of one or of many, a zip) or a motion.
 
     A motion file (.bvh, or human frames as .jsonl) becomes the human side of a take. robot: the
-    take whose robot that person is put beside; without one the robot stands by. From a zip or a
-    folder of takes, they get names that are free, and those refused are named with why.
+    take whose robot that person is put beside; without one the robot stands by. joint_map: a JSON
+    file that says which joint of a BVH is which. From a zip or a folder of takes, they get names
+    that are free, and those refused are named with why.
     """
     zipped = path.suffix.lower() == ".zip" and path.is_file()
     if path.is_file() and path.name != TAPE and not zipped:
-        return import_human(sessions, path, name, robot)
+        said = read_joint_map(joint_map) if joint_map is not None else None
+        return import_human(sessions, path, name, robot, said)
     if robot is not None:
         raise StudioError("a robot is put beside a motion file (.bvh, .jsonl), not beside a take")
+    if joint_map is not None:
+        raise StudioError("a joint map says which joint of a .bvh is which; takes need none")
     if zipped:
         if name is not None:
             raise StudioError("the takes in a zip have names of their own: leave the name out")
@@ -47,22 +58,37 @@ def import_take(
     return commands.import_take(sessions, path.parent if path.name == TAPE else path, name)
 
 
+def read_motion(
+    path: Path, joint_map: JointMap | None = None, remembered: JointMaps | None = None
+) -> Recorded:
+    """A BVH or a file of human frames, by its suffix; StudioError for any other."""
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise StudioError(f"{path.name} is no motion file: give a .bvh, or human frames as .jsonl")
+    if suffix == ".bvh":
+        return read_bvh(path, joint_map, remembered)
+    if joint_map is not None:
+        raise StudioError("a joint map says which joint of a .bvh is which; frames need none")
+    return read_frames(path)
+
+
 def import_human(
-    sessions: Path, file: Path, name: str | None = None, robot: str | None = None
+    sessions: Path,
+    file: Path,
+    name: str | None = None,
+    robot: str | None = None,
+    joint_map: JointMap | None = None,
 ) -> dict[str, Any]:
-    """Make a take of a BVH or a file of human frames: {"takes": [NAME], "rejected": lines}.
+    """Make a take of a BVH or a file of human frames: {"takes": [NAME], "rejected": frames,
+    "notes": what was read differently from how it is written}.
 
     robot: a take whose robot this person is put beside, from its first tick on, as long as both
-    last; without one the robot stands by in neutral. Raises StudioError for a file that cannot be
-    read, an unknown take, and a name that is taken.
+    last; without one the robot stands by in neutral. joint_map: which joint of a BVH is which,
+    remembered for others with the same joint names. A pause stays one: no frame is new in it.
+    Raises StudioError for a file that cannot be read, an unknown take, and a name that is taken.
     """
-    rejected = 0
-    if file.suffix.lower() == ".bvh":
-        clip = load_bvh(file)
-    elif file.suffix.lower() in SUFFIXES:
-        clip, rejected = load_frames(file)
-    else:
-        raise StudioError(f"{file.name} is no motion file: give a .bvh, or human frames as .jsonl")
+    recorded = read_motion(file, joint_map, JointMaps(sessions))
+    clip = recorded.clip
     if clip.t[-1] - clip.t[0] > MAX_SECONDS:
         raise StudioError(
             f"{file.name} lasts {(clip.t[-1] - clip.t[0]) / 3600:.1f} h, more than a take may"
@@ -70,7 +96,6 @@ def import_human(
         )
     library = SessionLibrary(sessions)
     beside = library.read(robot) if robot else None
-    clip = clip.at_rate(a1.CONTROL_HZ)
     about = {"source": f"import:{file.name}"} | ({"robot": robot} if robot else {})
     if beside is not None and "collect" in (beside.meta.get("about") or {}):
         about["collect"] = beside.meta["about"]["collect"]
@@ -89,7 +114,11 @@ def import_human(
             finally:
                 recorder.close()
             free = name or adding.free_name(library.root, made)
-            return {"takes": [library.add(Path(scratch) / made, free)], "rejected": rejected}
+            return {
+                "takes": [library.add(Path(scratch) / made, free)],
+                "rejected": recorded.report.refused.frames,
+                "notes": list(recorded.report.notes),
+            }
     except OSError as error:
         raise StudioError(f"{file.name} was not imported: {error.strerror}") from error
 
@@ -104,8 +133,11 @@ def _ticks(clip: HumanClip, beside: Take | None) -> Iterator[Tick]:
 
     Imported alone, nothing says what the person meant: no pairs until the take is labelled.
     """
-    count = len(clip) if beside is None else min(len(clip), len(beside))
+    newest = clip.newest(a1.CONTROL_HZ).tolist()
+    count = len(newest) if beside is None else min(len(newest), len(beside))
     for i in range(count):
         then = None if beside is None else beside.ticks[i]
         known = {} if then is None else {key: getattr(then, key) for key in _OF_ROBOT}
-        yield tick_at_rest(i, clip[i], NEUTRAL["stand"], **known)
+        human = replace(clip[newest[i]], t=float(clip.t[newest[i]] - clip.t[0]))
+        known["human_fresh"] = i == 0 or newest[i] > newest[i - 1]
+        yield tick_at_rest(i, human, NEUTRAL["stand"], **known)

@@ -5,6 +5,7 @@ from itertools import count
 from typing import Protocol, runtime_checkable
 
 from studio.human.pose import HumanPose
+from studio.mocap.report import OWN, SourceReport
 
 
 class SourceEnded(Exception):
@@ -38,7 +39,16 @@ class Source(Protocol):
     @property
     def rejected(self) -> int:
         """Frames refused so far (shape, finite, range, rate, time)."""
-        ...
+        return self.report.refused.frames
+
+    @property
+    def report(self) -> SourceReport:
+        """What was found in the source, and what was refused so far.
+
+        As it stands here, of one that speaks the canonical skeleton and refuses nothing: a source
+        that says otherwise, or none, derives from this class.
+        """
+        return OWN
 
     def close(self) -> None:
         """Free what is held; idempotent."""

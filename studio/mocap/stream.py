@@ -6,11 +6,18 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 
+import numpy as np
+
 from studio.human.pose import HumanPose
+from studio.human.skeleton import NUM_JOINTS
+from studio.human.sources import SKELETONS
 from studio.mocap.gate import FrameGate
+from studio.mocap.raw_frame import FrameRejected
+from studio.mocap.report import Refused, SourceReport, report_on
+from studio.mocap.source import Source
 
 
-class StreamSource:
+class StreamSource(Source):
     """The source `stream`: `push` and `new_sender` from any thread, `read` from the loop's.
 
     Poses are stamped with the seconds since the source was opened, at arrival: a sender's own
@@ -30,11 +37,16 @@ class StreamSource:
         self._lock = threading.Lock()
         self._latest: HumanPose | None = None
         self._fresh = False
+        self._refused = Refused()
 
     def push(self, raw: object) -> None:
         """Take in one frame: JSON text or bytes, or the decoded object. Raises FrameRejected."""
         with self._lock:
-            pose = self._gate.check(raw)
+            try:
+                pose = self._gate.check(raw)
+            except FrameRejected as error:
+                self._refused = self._refused.plus(str(error))
+                raise
             self._latest = replace(pose, t=self._clock() - self._opened)
             self._fresh = True
 
@@ -64,9 +76,14 @@ class StreamSource:
         return []
 
     @property
-    def rejected(self) -> int:
-        """Frames refused so far."""
-        return self._gate.rejected
+    def report(self) -> SourceReport:
+        """On the skeleton of whoever sends; before the first good frame no joint is found."""
+        with self._lock:
+            skeleton, refused = self._gate.skeleton, self._refused
+        if skeleton is None:
+            nothing = np.zeros(NUM_JOINTS, dtype=bool)
+            return report_on(SKELETONS["studio"], seen=nothing, refused=refused)
+        return report_on(skeleton, refused=refused)
 
     def close(self) -> None:
         """Forget the last pose."""

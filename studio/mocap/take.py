@@ -3,9 +3,14 @@
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
+
 from studio.errors import StudioError
 from studio.human.pose import HumanPose
-from studio.mocap.source import SourceEnded
+from studio.human.posture import SEEN
+from studio.human.sources import SKELETONS
+from studio.mocap.report import SourceReport, report_on
+from studio.mocap.source import Source, SourceEnded
 from studio.robot import a1
 from studio.takes.export.formats import tick_range
 from studio.takes.library import SessionLibrary
@@ -13,11 +18,10 @@ from studio.takes.library import SessionLibrary
 _CALIBRATION_POSES = 300
 
 
-class TakeSource:
+class TakeSource(Source):
     """Replays a take's human poses (within its trim), each when it was first used."""
 
     starts_live = True
-    rejected = 0
 
     def __init__(self, name: str, sessions: Path) -> None:
         take = SessionLibrary(sessions).read(name)
@@ -35,6 +39,8 @@ class TakeSource:
         self.name = f"take:{name}"
         self.duration: float | None = (end - start) * a1.CONTROL_DT
         self._next = 0
+        seen = np.max([pose.confidence for pose in self._poses], axis=0) >= SEEN
+        self._report = report_on(SKELETONS["studio"], seen=seen)
 
     def _restore_clock(self, originals: list[HumanPose | None]) -> None:
         """The source's own spacing of its poses, where it never ran backwards."""
@@ -57,6 +63,11 @@ class TakeSource:
     def calibration_poses(self) -> list[HumanPose]:
         """The take, thinned."""
         return self._poses[:: max(1, len(self._poses) // _CALIBRATION_POSES)]
+
+    @property
+    def report(self) -> SourceReport:
+        """Which joints are ever seen in the take."""
+        return self._report
 
     def close(self) -> None:
         """Nothing is held."""

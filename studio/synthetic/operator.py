@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from studio.errors import unknown_name
 from studio.human.pose import HumanPose
+from studio.mocap.source import Source
 from studio.reference.intent import Intent
 from studio.synthetic import Performance, Performer, Person, perform, play
 from studio.synthetic import signals as sig
@@ -30,12 +31,11 @@ _BLOCK = 120  # frames performed ahead, a third of the cost of 30; a script know
 _REPEAT_S = 12.0  # s of a task drawn at a time
 
 
-class _Performed:
+class _Performed(Source):
     """What both operators share: a person performing one frame after another on a 30 Hz clock."""
 
     starts_live = True
     duration: float | None = None
-    rejected = 0
 
     def __init__(self, name: str, person: Person, rng: np.random.Generator) -> None:
         self.name, self.person = name, person

@@ -6,9 +6,10 @@ import secrets
 from pathlib import Path
 from typing import Any
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, HTTPException, Request
 
 from studio.errors import StudioError
+from studio.human.joint_names import UnmappedJoints
 from studio.live.commands import SetSource
 from studio.sources import open_source
 from studio.web.hub import Hub, refused
@@ -49,8 +50,12 @@ def files_router(hub: Hub, folder: Path) -> APIRouter:
             if size > MAX_FILE:
                 raise refused(_too_large(), 413)
             spec = f"{kind}:{path}"
-            await asyncio.get_running_loop().run_in_executor(hub.workers, check, spec, name)
+            await asyncio.get_running_loop().run_in_executor(
+                hub.workers, check, spec, name, hub.sessions
+            )
             await hub.apply(SetSource(source=spec), request)
+        except Unmapped:
+            raise  # the file stays, for the joint map that it needs
         except BaseException:
             path.unlink(missing_ok=True)
             raise
@@ -59,13 +64,23 @@ def files_router(hub: Hub, folder: Path) -> APIRouter:
     return router
 
 
-def check(spec: str, name: str) -> None:
+class Unmapped(HTTPException):
+    """422 for a file whose joints are unknown, with the `source` to ask /api/joint-map about."""
+
+    def __init__(self, why: str, spec: str) -> None:
+        super().__init__(422, detail={"why": why, "error": why, "source": spec})
+
+
+def check(spec: str, name: str, sessions: Path) -> None:
     """Open the file as a source once; 422 with the reader's words (and line) if it cannot be."""
     try:
-        open_source(spec).close()
+        open_source(spec, sessions=sessions).close()
     except StudioError as error:
-        path = spec.partition(":")[2]
-        raise refused(str(error).replace(path, name), 422) from error
+        path = Path(spec.partition(":")[2])
+        why = str(error).replace(str(path), name).replace(path.name, name)
+        if isinstance(error, UnmappedJoints):
+            raise Unmapped(why, spec) from error
+        raise refused(why, 422) from error
 
 
 def _too_large() -> str:

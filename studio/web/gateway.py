@@ -21,6 +21,7 @@ from studio.web.commands_api import commands_router
 from studio.web.files_api import files_router
 from studio.web.hub import Hub
 from studio.web.inner import InnerViser
+from studio.web.joint_map_api import joint_map_router
 from studio.web.relay import view_router
 from studio.web.review_api import review_router
 from studio.web.sockets import sockets_router
@@ -63,6 +64,7 @@ def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
     app.include_router(takes_router(hub))
     app.include_router(train_router(hub))
     app.include_router(files_router(hub, uploads))
+    app.include_router(joint_map_router(hub))
     app.include_router(sockets_router(hub))
     if inner is not None:
         app.include_router(view_router(inner))
@@ -86,7 +88,9 @@ def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
     @app.exception_handler(HTTPException)
     async def refused(_: Request, error: HTTPException) -> JSONResponse:
         """Every refusal says why."""
-        return JSONResponse({"why": error.detail, "error": error.detail}, error.status_code)
+        said: Any = error.detail
+        said = said if isinstance(said, dict) else {"why": said, "error": said}
+        return JSONResponse(said, error.status_code)
 
     @app.exception_handler(RequestValidationError)
     async def malformed(_: Request, error: RequestValidationError) -> JSONResponse:

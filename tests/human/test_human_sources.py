@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from studio.errors import StudioError
+from studio.human.joint_names import bvh_skeleton
 from studio.human.skeleton import (
     BONE_LENGTH,
     CHAIN,
@@ -17,7 +18,7 @@ from studio.human.skeleton import (
     NEUTRAL_DIRECTION,
     PARENTS,
 )
-from studio.human.sources import SKELETONS, SourceSkeleton, bvh_skeleton, skeleton
+from studio.human.sources import SKELETONS, SourceSkeleton, skeleton
 
 
 def source_frame(source: SourceSkeleton, canonical: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ from studio.live.loop import LiveLoop
 from studio.live.session import Session, SessionConfig
 from studio.live.source import OpenedSource, open_for
 from studio.robot import a1
-from studio.sources import SourceEnded
+from studio.sources import Source, SourceEnded
 from studio.synthetic.operator import OperatorSource
 from studio.takes.record.tape import TapeWriter
 from studio.takes.take import read_take
@@ -24,13 +24,12 @@ from studio.takes.take import read_take
 DT = 1.0 / 30.0
 
 
-class Script:
+class Script(Source):
     """A source that a test writes: frame number -> what it gives."""
 
     name = "script"
     starts_live = True
     duration = None
-    rejected = 0
 
     def __init__(self, change=lambda k, pose: pose, seed=0, task="quiet"):
         self._operator = OperatorSource(task, seed=seed)

@@ -15,7 +15,8 @@ from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.human.skeleton import INDEX, NEUTRAL
 from studio.human.sources import SKELETONS
-from studio.mocap.gate import BURST, MAX_BYTES, MAX_RATE, FrameGate, FrameRejected, object_of
+from studio.mocap.gate import BURST, MAX_RATE, FrameGate, object_of
+from studio.mocap.raw_frame import MAX_BYTES, FrameRejected
 
 
 class Clock:
@@ -82,6 +83,41 @@ def spoilt(row: int, axis: int, value: float) -> list:
     return positions
 
 
+UNSEEN = {
+    "null": [None, None, None],
+    "no position at all": None,
+    "nan": [math.nan] * 3,
+}
+
+
+@pytest.mark.parametrize("way", ["object", "text", "bytes"])
+@pytest.mark.parametrize("said", sorted(UNSEEN))
+@pytest.mark.parametrize("confidence", [None, [1.0] * 19])
+def test_a_joint_without_a_place_is_not_seen_and_the_rest_is(gate, said, way, confidence):
+    raw = frame(confidence=confidence)
+    raw["positions"][INDEX["l_wrist"]] = UNSEEN[said]
+    text = json.dumps(raw)  # Python's JSON has NaN
+    pose = gate.check({"object": raw, "text": text, "bytes": text.encode()}[way])
+    assert pose.confidence[INDEX["l_wrist"]] == 0.0
+    seen = np.arange(19) != INDEX["l_wrist"]
+    assert (pose.confidence[seen] == 1.0).all()
+    assert (pose.joint_pos_w[seen] == NEUTRAL[seen]).all()
+    assert np.isfinite(pose.joint_pos_w).all()
+
+
+@pytest.mark.parametrize("unsure", [None, math.nan])
+def test_a_confidence_that_is_none_means_not_seen(gate, unsure):
+    confidence = [1.0] * 19
+    confidence[3] = unsure
+    pose = gate.check(json.dumps(frame(confidence=confidence)))
+    assert pose.confidence.tolist() == [1.0] * 3 + [0.0] + [1.0] * 15
+
+
+def test_a_person_on_a_map_may_be_kilometres_from_its_origin(gate):
+    far = NEUTRAL + [30_000.0, -2_000.0, 500.0]
+    assert (gate.check(frame(positions=far)).joint_pos_w == far).all()
+
+
 def nested(depth: int) -> list:
     out: list = []
     for _ in range(depth):
@@ -115,7 +151,7 @@ HOSTILE = {
     "t a huge integer": ({**frame(), "t": 10**400}, "a frame is"),
     "t a huge integer in text": (GOOD.replace('"t": 0.0', '"t": ' + "9" * 5000), "a frame is"),
     "t in milliseconds since 1970": (frame(1.7e12), "seconds"),
-    "NaN literal": (GOOD.replace('"t": 0.0', '"t": NaN'), "malformed"),
+    "NaN literal": (GOOD.replace('"t": 0.0', '"t": NaN'), "$.t"),
     "Infinity literal": (GOOD.replace('"t": 0.0', '"t": -Infinity'), "a frame is"),
     "unknown skeleton": ({**frame(), "skeleton": "kinect9"}, "k4abt, kinect2, mediapipe, studio"),
     "skeleton a number": ({**frame(), "skeleton": 3}, "$.skeleton"),
@@ -129,11 +165,14 @@ HOSTILE = {
     "flat positions": (frame(positions=NEUTRAL.ravel()), "$.positions[0]"),
     "ragged": ({**frame(), "positions": [[0, 0, 0], [0]] + [[0, 0, 0]] * 17}, "$.positions[1]"),
     "position nan": (frame(positions=spoilt(3, 1, math.nan)), "not finite"),
+    "position null in part": ({**frame(), "positions": [[None, 0, 0]] * 19}, "not finite"),
+    "no position known": (frame(positions=np.full((19, 3), math.nan)), "no joint has a place"),
+    "positions all null": ({**frame(), "positions": [None] * 19}, "no joint has a place"),
     "position infinite": (frame(positions=spoilt(3, 1, -math.inf)), "not finite"),
     "position 1e999": (GOOD.replace("[[0.0", "[[1e999", 1), "out of range"),
-    "position far": (frame(positions=spoilt(3, 1, 101.0)), "beyond 100 m"),
+    "position far": (frame(positions=spoilt(3, 1, 1.1e5)), "beyond 100000 m"),
+    "one joint far": (frame(positions=spoilt(3, 1, 101.0)), "from its middle"),
     "position text": ({**frame(), "positions": [["a", 0, 0]] * 19}, "$.positions[0][0]"),
-    "position null": ({**frame(), "positions": [[None, 0, 0]] * 19}, "$.positions[0][0]"),
     "positions an object": ({**frame(), "positions": {"0": [0, 0, 0]}}, "$.positions"),
     "position a huge integer": ({**frame(), "positions": [[10**400, 0, 0]] * 19}, "a frame is"),
     "millimetres": (frame(positions=NEUTRAL * 50), "metres"),
@@ -141,7 +180,6 @@ HOSTILE = {
     "all in one point": (frame(positions=np.ones((19, 3))), "metres"),
     "confidence short": (frame(confidence=[1.0] * 18), "18 confidences"),
     "confidence negative": (frame(confidence=[-0.1] * 19), "negative"),
-    "confidence nan": (frame(confidence=[math.nan] * 19), "negative or not finite"),
     "confidence infinite": (frame(confidence=[math.inf] * 19), "not finite"),
     "confidence text": (frame(confidence="high"), "$.confidence"),
     "nested junk": ('{"t":' + "[" * 30_000 + "]" * 30_000 + "}", "a frame is"),

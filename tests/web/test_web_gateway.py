@@ -3,9 +3,11 @@
 import json
 import socket
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from bvh_writer import Layout, Names, write
 
 from studio.errors import StudioError
 from studio.human.skeleton import NUM_JOINTS
@@ -18,7 +20,7 @@ from studio.web.serve import bind, checked_token, serve
 TOKEN = "test-token-0123456789"
 STATE_KEYS = {
     "mode", "state", "state_lock", "expert", "votes", "stopped", "armed", "why", "source", "scene",
-    "latency_ms", "counters", "robot", "needs_reset", "stale_s", "reason",
+    "latency_ms", "counters", "robot", "needs_reset", "stale_s", "reason", "source_report",
 }  # fmt: skip
 
 
@@ -336,6 +338,11 @@ def test_held_keys_drive_the_operator_and_the_robot_walks(studio_live, pages):
 # Files and takes ----------------------------------------------------------------------------------
 
 
+ITALIAN = Layout(names=Names(leg=("{}Gamba", "{}Polpaccio", "{}Foot", "{}Toe")), seconds=1.0)
+ITALIAN_MAP = {"l_hip": "LeftGamba", "r_hip": "RightGamba",
+               "l_knee": "LeftPolpaccio", "r_knee": ["RightPolpaccio"]}  # fmt: skip
+
+
 def drop(studio_live, name, content):
     return studio_live.client.post("/api/files", params={"name": name}, content=content)
 
@@ -359,6 +366,7 @@ def test_a_dropped_recording_becomes_the_source(studio_live, poses):
         ("noise.bvh", bytes(range(256)) * 40, 422, "noise.bvh"),
         ("bad.jsonl", b'{"t": 0}\n', 422, "bad.jsonl"),
         ("empty.jsonl", b"", 422, "empty.jsonl"),
+        ("italian.bvh", write(ITALIAN).encode(), 422, "LeftGamba"),
     ],
 )
 def test_a_file_that_cannot_be_read_is_refused_in_words(studio_live, name, content, status, says):
@@ -367,6 +375,61 @@ def test_a_file_that_cannot_be_read_is_refused_in_words(studio_live, name, conte
     assert says in answer.json()["why"]
     assert "/tmp" not in answer.json()["why"]
     assert studio_live.state()["source"] == "operator:quiet"
+
+
+def test_a_joint_map_is_asked_for_said_and_used_again(studio_live):
+    client = studio_live.client
+    refused = drop(studio_live, "uno.bvh", write(ITALIAN).encode())
+    assert refused.status_code == 422
+    source = refused.json()["source"]  # it is kept, for the map that it needs
+    asked = client.get("/api/joint-map", params={"source": source}).json()
+    assert "LeftGamba" in asked["joints"]
+    assert asked["found"]["l_ankle"] == ["LeftFoot"]
+    assert set(asked["missing"]) == set(ITALIAN_MAP)
+    assert set(asked["missing"]) <= set(asked["needed"])
+    assert asked["map"] == {}
+    for said, why in (
+        ({}, "no joint for"),
+        ({"l_hip": "LeftGamba"}, "no joint for r_hip"),
+        ({"l_hip": "Nobody"}, "there is Hips"),
+        ({"tail": "LeftGamba"}, "no joint 'tail'"),
+        ({"l_hip": 7}, "a joint map is"),
+    ):
+        answer = client.post("/api/joint-map", json={"source": source, "map": said})
+        assert answer.status_code == 422, said
+        assert why in answer.json()["why"]
+    assert studio_live.state()["source"] == "operator:quiet"
+    answer = client.post("/api/joint-map", json={"source": source, "map": ITALIAN_MAP})
+    assert answer.status_code == 200, answer.text
+    report = answer.json()["source_report"]
+    assert answer.json()["source"] == source
+    assert report["joints_missing"] == []
+    assert report["joints_found"]["r_knee"] == ["RightPolpaccio"]
+    # another file of the same joints needs nothing said
+    again = drop(studio_live, "due.bvh", write(replace(ITALIAN, seconds=2.0)).encode())
+    assert again.status_code == 200, again.text
+    asked = client.get("/api/joint-map").json()  # of the source in use
+    assert asked["source"] == again.json()["source"]
+    assert asked["map"]["l_hip"] == ["LeftGamba"]
+    # forgotten
+    client.post("/api/joint-map", json={"map": {}})
+    assert drop(studio_live, "tre.bvh", write(ITALIAN).encode()).status_code == 422
+
+
+@pytest.mark.parametrize("source", ["operator", "bvh:", "bvh:/dev/zero", "nonsense"])
+def test_a_source_without_joints_of_its_own_has_no_map(studio_live, source):
+    answer = studio_live.client.get("/api/joint-map", params={"source": source})
+    assert answer.status_code == 422
+    assert answer.json()["why"]
+    answer = studio_live.client.post("/api/joint-map", json={"source": source, "map": {}})
+    assert answer.status_code == 422
+
+
+def test_the_state_says_what_was_found_in_the_source(studio_live):
+    report = studio_live.state()["source_report"]
+    assert len(report["joints_found"]) == 19
+    assert report["joints_missing"] == []
+    assert report["refused"] == {"frames": 0, "why": []}
 
 
 def test_a_file_that_is_too_large_is_refused_before_it_is_read(studio_live):

@@ -1,0 +1,85 @@
+"""Which joint of a motion file is which: what was found by name, and what a person says of it."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Any
+
+from fastapi import APIRouter, Request
+from pydantic import BaseModel, Field
+
+from studio.errors import StudioError
+from studio.human.joint_names import MAPPABLE, NEEDED, guess_joints
+from studio.live.commands import SetSource
+from studio.mocap.bvh import read_joints
+from studio.mocap.bvh_header import Hierarchy
+from studio.mocap.joint_maps import JointMaps, joint_map_of
+from studio.sources import open_source
+from studio.web.hub import Hub, refused
+
+
+class JointMapBody(BaseModel):
+    """map: canonical joint to the file's joint, a list of them (their middle), or null (it has
+    none); empty forgets what was said. source: bvh:FILE; the source in use if left out."""
+
+    map: dict[str, Any] = Field(max_length=64)
+    source: str | None = Field(default=None, max_length=1024)
+
+
+def joint_map_router(hub: Hub) -> APIRouter:
+    """GET and POST /api/joint-map."""
+    router = APIRouter(prefix="/api", tags=["studio"])
+
+    async def worked(function: Callable[..., Any], *args: Any) -> Any:
+        try:
+            return await asyncio.get_running_loop().run_in_executor(hub.workers, function, *args)
+        except StudioError as error:
+            raise refused(str(error), 422) from error
+
+    @router.get("/joint-map")
+    async def joint_map(source: str | None = None) -> dict[str, Any]:
+        """The joints of a BVH as it calls them, and which is taken for which.
+
+        joints: the file's, end sites as "J/end". found: {canonical: [file's joints]}. missing.
+        needed: without these it cannot be played. map: what was said by hand.
+        """
+        spec = source or hub.loop.session.source.name
+        return await worked(_described, hub, spec)
+
+    @router.post("/joint-map")
+    async def say(body: JointMapBody, request: Request) -> dict[str, Any]:
+        """Say which joint is which; kept for every file with the same joints, and the file is made
+        the source. Answers the state; 422 with why for a map with which it cannot be read."""
+        spec = body.source or hub.loop.session.source.name
+        await worked(_said, hub, spec, body.map)
+        await hub.apply(SetSource(source=spec), request)
+        return hub.state()
+
+    return router
+
+
+def _joints(spec: str) -> Hierarchy:
+    kind, _, path = spec.partition(":")
+    if kind != "bvh" or not path:
+        raise StudioError(f"source {spec!r} takes no joint map: its joints are known; a BVH does")
+    return read_joints(path)
+
+
+def _described(hub: Hub, spec: str) -> dict[str, Any]:
+    hierarchy = _joints(spec)
+    said = JointMaps(hub.sessions).of(hierarchy.names) or {}
+    found = guess_joints(hierarchy.names, hierarchy.parents, said)
+    return {
+        "source": spec,
+        "joints": hierarchy.names,
+        "found": found,
+        "missing": [joint for joint in MAPPABLE if joint not in found],
+        "needed": NEEDED,
+        "map": said,
+    }
+
+
+def _said(hub: Hub, spec: str, said: dict[str, Any]) -> None:
+    joints = _joints(spec)
+    if not said:
+        JointMaps(hub.sessions).remember(joints.names, {})
+    open_source(spec, sessions=hub.sessions, joint_map=joint_map_of(said)).close()
