@@ -25,8 +25,8 @@ def takes(argv: Sequence[str]) -> Answer:
         text = f"usage: a1-studio takes {'|'.join(known)} [NAME] [OPTIONS] [--sessions DIR]"
         usage(text, 0 if argv[:1] in (["-h"], ["--help"]) else 2)
     what, rest = argv[0], argv[1:]
-    if what == "verify" and rest and not rest[0].startswith("-"):
-        rest = ["--name", *rest]
+    if what in ("verify", "export") and rest and not rest[0].startswith("-"):
+        rest = ["--name", *rest]  # a name that may be left out
     answer: Answer = tyro.cli(  # type: ignore[assignment]
         partial(known[what], Path(sessions or "sessions")),
         prog=f"a1-studio takes {what}",

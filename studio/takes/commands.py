@@ -1,5 +1,6 @@
 """`a1-studio takes …`: one function per command, sessions folder in, plain values out."""
 
+from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -10,10 +11,14 @@ from studio.takes.align import synchrony
 from studio.takes.dataset import datasets
 from studio.takes.edit import edited, review
 from studio.takes.export.adding import add_all
-from studio.takes.export.formats import export
+from studio.takes.export.episodes import episodes
+from studio.takes.export.formats import export, export_all
+from studio.takes.export.lerobot_read import import_lerobot, is_lerobot
 from studio.takes.library import SessionLibrary
 from studio.takes.record.recorder import TAPE
 from studio.takes.record.repair import repair
+from studio.takes.sessions import SessionBook
+from studio.takes.take import Take
 
 
 def list_takes(sessions: Path) -> dict[str, Any]:
@@ -146,31 +151,74 @@ def delete_take(sessions: Path, name: str) -> dict[str, Any]:
 
 def export_take(
     sessions: Path,
-    name: str,
+    name: str | None = None,
     format: str = "npz",
     out: Path | None = None,
     more: tuple[str, ...] = (),
+    session: str | None = None,
+    all: bool = False,
 ) -> dict[str, Any]:
-    """Write a take in another format: jsonl, npz, csv, bvh, pairs, lerobot, hdf5 or html.
+    """Write a take in another format: npz, csv, jsonl, bvh, mcap, pairs, lerobot, hdf5 or html.
 
-    Into the working folder by default. more: further takes in the same file (lerobot, hdf5).
+    Into the working folder by default. Into the same file (lerobot, hdf5) go: more: further takes;
+    session: every take of a session; all: every take there is. Of a session and of all, takes that
+    were rejected or hold nothing to export are left out, and named with why.
     """
     library = SessionLibrary(sessions)
-    takes = [library.read(n) for n in (name, *more)]
-    path = export(takes, format, Path.cwd() if out is None else out)
-    return {"name": name, "format": format, "file": str(path)}
+    if sum((name is not None, session is not None, all)) != 1:
+        raise StudioError("say what to export: a take's name, --session NAME, or --all")
+    path = Path.cwd() if out is None else out
+    if name is not None:
+        takes = [library.read(n) for n in (name, *more)]
+        return {"name": name, "format": format, "file": str(export(takes, format, path))}
+    title = session or Path(sessions).resolve().name
+    found = _of_session(library, session) if session else [t.name for t in library.list()]
+    left_out: dict[str, str] = {}
+    takes = _exportable(library, found, left_out)
+    file = export_all(found, takes, format, path, title)
+    return {"name": title, "format": format, "file": str(file), "left_out": left_out}
+
+
+def _of_session(library: SessionLibrary, session: str) -> list[str]:
+    known = {info.name for info in library.list()}
+    found = [name for name in SessionBook(library.root).read(session).takes if name in known]
+    if not found:
+        raise StudioError(f"no take of session {session} is left")
+    return found
+
+
+def _exportable(
+    library: SessionLibrary, names: list[str], left_out: dict[str, str]
+) -> Iterator[Take]:
+    """One after the other, so that memory holds one."""
+    for name in names:
+        try:
+            take = library.read(name)
+            if take.edits.keep is False:
+                raise StudioError("it was rejected")
+            episodes(take)
+        except StudioError as error:
+            left_out[name] = str(error)
+        else:
+            yield take
+    if len(left_out) == len(names):
+        why = "; ".join(f"{name}: {why}" for name, why in list(left_out.items())[:5])
+        raise StudioError(f"there is nothing to export ({why or 'no take is there'})")
 
 
 def import_take(sessions: Path, folder: Path, name: str | None = None) -> dict[str, Any]:
-    """Copy takes from elsewhere: one take's folder, or a folder of takes.
+    """Copy takes from elsewhere: one take's folder, a folder of takes, or a LeRobotDataset of ours.
 
-    From a folder of takes, they get names that are free, and those refused are named with why.
+    From the last two they get names that are free, and those refused are named with why.
     """
+    lerobot = is_lerobot(folder)
     inside = sorted(p.parent for p in folder.glob(f"*/{TAPE}"))
-    if (folder / TAPE).exists() or not inside:
+    if not lerobot and ((folder / TAPE).exists() or not inside):
         return {"takes": [SessionLibrary(sessions).add(folder, name)]}
     if name is not None:
         raise StudioError("the takes in a folder have names of their own: leave the name out")
+    if lerobot:
+        return import_lerobot(Path(sessions), folder)
     taken, refused = add_all(sessions, inside)
     return {"takes": taken, "refused": refused}
 

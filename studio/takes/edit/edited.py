@@ -64,7 +64,7 @@ def human_at(table: Columns, at: Array) -> tuple[Array, Array]:
     """
     at = np.clip(at, 0, len(table) - 1)
     low = np.floor(at).astype(int)
-    high = np.minimum(low + 1, len(table) - 1)
+    high = np.ceil(at).astype(int)
     first = int(low.min(initial=0))
     rows = table.rows[first : int(high.max(initial=0)) + 1]
     w = (at - low)[:, None, None]

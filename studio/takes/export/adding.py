@@ -5,13 +5,15 @@ import shutil
 import tempfile
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 
 from studio.errors import StudioError
 from studio.takes.edit.edits import EDITS
 from studio.takes.export.archive import unpack_takes
 from studio.takes.names import check_take, fit_name, take_folder
-from studio.takes.record.recorder import META, TAPE
+from studio.takes.record.recorder import META, TAPE, Recorder
 from studio.takes.take import survey_take
+from studio.takes.tick import Tick
 
 SCRATCH = ".import-"
 """Beginning of folders in which takes are made ready; no name of a take begins with a dot."""
@@ -43,6 +45,24 @@ def add_take(root: Path, folder: Path, name: str | None = None, *, link: bool = 
         shutil.rmtree(temporary, ignore_errors=True)
         raise StudioError(f"{source.name} was not imported: {error.strerror}") from error
     return name
+
+
+def record_take(
+    root: Path, ticks: Iterable[Tick], *, label: str, about: dict[str, Any], name: str
+) -> str:
+    """Ticks that were made elsewhere as a take of the library, whole or not at all; its name."""
+    check_take(name)
+    root.mkdir(parents=True, exist_ok=True)
+    # Beside the library, not in it: a studio may be recording there.
+    with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=root) as scratch:
+        recorder = Recorder(Path(scratch))
+        try:
+            recorder.start(label, name=name, about=about)
+            for tick in ticks:
+                recorder.append(tick)
+        finally:
+            recorder.close()
+        return add_take(root, Path(scratch) / name, name)
 
 
 def free_name(root: Path, wanted: str) -> str:

@@ -64,7 +64,7 @@ def extent(take: Take) -> Extent:
     if take.human is not None and len(ticks):
         at = np.clip(edited.human_rows(ticks, take.edits), 0, len(take) - 1)
         low = np.floor(at).astype(int)
-        high = np.minimum(low + 1, len(take) - 1)
+        high = np.ceil(at).astype(int)
         index = take.arrays.human_index
         there = (index[low] >= 0) & (index[high] >= 0)
         a, b = np.maximum(index[low], 0), np.maximum(index[high], 0)

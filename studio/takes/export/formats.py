@@ -83,7 +83,7 @@ def export_all(
     if format_name not in FORMATS:
         raise unknown_name("format", format_name, FORMATS)
     chosen = FORMATS[format_name]
-    if len(names) != 1 and not (chosen.several and names):
+    if len(names) != 1 and not chosen.several:
         several = ", ".join(name for name, f in FORMATS.items() if f.several)
         raise StudioError(f"{format_name} holds one take; several fit into {several}")
     name = name or names[0] + (f"-and-{len(names) - 1}-more" if len(names) > 1 else "")
