@@ -52,7 +52,7 @@ def test_who_falls_lies_for_three_seconds_is_stood_up_and_goes_on():
 
 def test_no_case_left_says_which_there_are():
     with pytest.raises(StudioError, match="operator:walk"):
-        en.run_endurance(source="bvh:x")
+        en.run_endurance(en.Options(source="bvh:x"))
 
 
 def arrivals(impairment, seconds=20.0, seed=3):

@@ -43,7 +43,8 @@ def ask(loop, command):
         asker.join(0.01)  # motions are drawn on its thread meanwhile: leave it the machine
         if not asker.is_alive():
             break
-        run(loop, DT)
+        if len(loop._requests):  # not before: how long the drawing takes must change nothing
+            run(loop, DT)
     return answers[0]
 
 
