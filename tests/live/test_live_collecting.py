@@ -43,13 +43,15 @@ def ask(loop, command):
         asker.join(0.01)  # motions are drawn on its thread meanwhile: leave it the machine
         if not asker.is_alive():
             break
-        if len(loop._requests):  # not before: how long the drawing takes must change nothing
+        if len(loop._requests) + len(
+            loop._stops
+        ):  # not before: how long the drawing takes must change nothing
             run(loop, DT)
     return answers[0]
 
 
 def plan(*items, **options):
-    return c.SetPlan(items=items, operator="Ada", notes="first day", **options)
+    return c.SetPlan(items=items, operator="Ada", notes="first day", **{"seed": 0, **options})
 
 
 def phase(loop):
