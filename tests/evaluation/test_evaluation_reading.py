@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from bvh_writer import NAMES, Layout, Names, write
 
+from studio.control.staleness import stale_command
 from studio.evaluation.drive import DriveConfig, run_drive
 from studio.human.pose import HumanPose
 from studio.human.skeleton import JOINTS, NEUTRAL
-from studio.live.safety import stale_orders
 from studio.sources import Source, SourceEnded
 
 MARCH = Layout(seconds=4.0)
@@ -28,7 +28,7 @@ def drive(tmp_path):
         path.write_bytes(content.encode() if isinstance(content, str) else content)
         kind = "bvh" if suffix == ".bvh" else "frames"
         config = DriveConfig(source=f"{kind}:{path}", sessions=tmp_path, **options)
-        return run_drive(config, guard=stale_orders)
+        return run_drive(config, guard=stale_command)
 
     return driven
 
