@@ -73,6 +73,11 @@ class Bench:
 
 
 @dataclass(frozen=True, kw_only=True)
+class OpenApi:
+    """Print the API's schema (OpenAPI 3.1), without starting a server."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class Evaluate:
     """Make one of the tables: `a1-studio evaluate NAME`."""
 
@@ -188,6 +193,13 @@ def _takes(argv: Sequence[str]) -> Answer:
     return answer
 
 
+def _openapi(argv: Sequence[str]) -> Answer:
+    tyro.cli(OpenApi, prog="a1-studio openapi", args=argv)
+    from studio.web.schema import openapi
+
+    return openapi()
+
+
 def _in_order(function: Callable[..., Any]) -> str:
     """What a function says of itself, and the arguments that it needs, in their order."""
     needed = [
@@ -204,6 +216,7 @@ COMMANDS: dict[str, tuple[Callable[[Sequence[str]], Any], str]] = {
     "takes": (_takes, "list, show, trim, label, align, verify, export, import, delete takes"),
     "train": (_train, "train a mapper or a policy"),
     "evaluate": (_evaluate, "make one of the tables or figures"),
+    "openapi": (_openapi, "print the API's schema, without starting a server"),
     "bench": (_bench, "measure this machine's figures"),
 }
 
