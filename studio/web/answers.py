@@ -4,14 +4,24 @@ Answers are plain dicts, written out where they are made; nothing here runs when
 type names every key that is sent (a test compares them), so that the schema hides none.
 """
 
-from typing import Any, Literal, NotRequired
+from typing import Annotated, Any, Literal, NotRequired
 
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
-Mode = Literal["idle", "live", "replay", "collect"]
-Style = Literal["march", "circles", "semantic"]
-Phase = Literal["setup", "ready", "preview", "countdown", "record", "review", "done"]
+from studio.control.trackers import CONTROLLERS
+from studio.live.collect import Phase
+from studio.live.command import OneOf
+from studio.live.commands import MODES
+from studio.reference.intent import STATES
+from studio.reference.library import TASKS
+from studio.retarget.store import STYLES
+
+PARTS = "#/components/schemas/"
+Mode = Annotated[str, OneOf("mode", MODES)]
+Style = Annotated[str, OneOf("style", STYLES)]
+Controller = Annotated[str, OneOf("controller", CONTROLLERS)]
+TaskName = Annotated[str, OneOf("task", TASKS)]
 
 
 class Pose(TypedDict):
@@ -98,7 +108,7 @@ class Replay(TypedDict):
 class PlanRow(TypedDict):
     """A run of the same motion in a plan."""
 
-    task: str
+    task: TaskName
     seconds: float
     takes: int
     kept: int
@@ -122,7 +132,7 @@ class Collect(TypedDict("_Try", {"try": int}, total=False)):
     rejected: list[str]
     why: str
     plan: list[PlanRow]
-    task: NotRequired[str]
+    task: NotRequired[TaskName]
     state: NotRequired[str]
     number: NotRequired[int]
     takes: NotRequired[int]
@@ -154,7 +164,7 @@ class State(TypedDict):
     mode: Mode
     state: str
     transition_to: str | None
-    state_lock: Literal["auto", "stand", "walk", "sit"]
+    state_lock: Annotated[str, OneOf("state", ("auto", *STATES))]
     expert: str
     votes: dict[str, float]
     stopped: bool
@@ -169,7 +179,7 @@ class State(TypedDict):
     period_error_ms: dict[str, float]
     counters: dict[str, int]
     robot: Pose
-    controller: str
+    controller: Controller
     style: Style
     gains: dict[str, float]
     mirror: bool
@@ -181,8 +191,8 @@ class State(TypedDict):
     mapper: MapperInUse
     t: float
     control: Control
-    tasks: list[str]
-    controllers: list[str]
+    tasks: list[TaskName]
+    controllers: list[Controller]
 
 
 class StateMessage(State):
@@ -211,12 +221,26 @@ def with_messages(schema: dict[str, Any]) -> dict[str, Any]:
     kinds = [(kind, "serialization", TypeAdapter(kind)) for kind in (TickMessage, StateMessage)]
     _, found = TypeAdapter.json_schemas(
         kinds,  # type: ignore[arg-type]
-        ref_template="#/components/schemas/{model}",
+        ref_template=f"{PARTS}{{model}}",
     )
     parts = schema["components"]["schemas"]
     parts |= found["$defs"]
-    for name, part in parts.items():
+    routes = [route for path in schema["paths"].values() for route in path.values()]
+    asked = _named([route.get("requestBody") for route in routes], parts)
+    for name in parts.keys() - asked:
+        part = parts[name]
         always = [key for key, value in part.get("properties", {}).items() if "default" in value]
-        if always and not name.endswith("Body"):
+        if always:
             part["required"] = list(dict.fromkeys([*part.get("required", ()), *always]))
     return schema
+
+
+def _named(node: Any, parts: dict[str, Any]) -> set[str]:
+    """Names of the parts of a schema that `node` refers to, whatever lies between."""
+    if isinstance(node, list):
+        return {name for item in node for name in _named(item, parts)}
+    if not isinstance(node, dict):
+        return set()
+    name = str(node.get("$ref", "")).removeprefix(PARTS)
+    inner = _named(parts[name], parts) | {name} if name else set()
+    return inner | _named(list(node.values()), parts)

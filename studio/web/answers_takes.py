@@ -5,16 +5,17 @@ from typing import Any, Literal, NotRequired
 
 from typing_extensions import TypedDict
 
+from studio.reference.intent import StateName
 from studio.takes.align.alignment import Alignment
 from studio.takes.listing import TakeInfo
-from studio.web.answers import Style
+from studio.web.answers import Style, TaskName
 
 
 class Task(TypedDict):
     """What can be collected, and what the person is told."""
 
-    task: str
-    state: str
+    task: TaskName
+    state: StateName
     prompt: str
 
 
@@ -23,7 +24,7 @@ class Axis(TypedDict):
 
     name: str
     unit: str
-    task: str
+    task: TaskName
     edges: list[float]
     counts: list[int]
 
@@ -39,7 +40,7 @@ class Covered(TypedDict):
 class Proposal(TypedDict):
     """What to record next."""
 
-    task: str
+    task: TaskName
     why: str
 
 

@@ -4,7 +4,7 @@ import { $, $$, $input, attempt, el, setStyle, text } from "./dom.js";
 import { Metronome } from "./metronome.js";
 import { capital, spoken } from "./words.js";
 
-/** @import { Collect } from "../types/page.js" */
+/** @import { Action, Collect } from "../types/page.js" */
 /** @import { Studio } from "./studio.js" */
 
 /** @typedef {Collect["phase"]} Phase */
@@ -20,7 +20,7 @@ const PHASES = {
   done: "All done",
 };
 
-/** @type {{ action: string, key: string, title: string, phases: Phase[], main?: boolean }[]} */
+/** @type {{ action: Action, key: string, title: string, phases: Phase[], main?: boolean }[]} */
 const BUTTONS = [
   { action: "go", key: "G", title: "Start", phases: ["ready"], main: true },
   { action: "skip", key: "V", title: "I have seen it", phases: ["preview"], main: true },
@@ -133,7 +133,7 @@ export class Coach {
     );
   }
 
-  /** @param {string} action */
+  /** @param {Action} action */
   #act(action) {
     return attempt(() => this.studio.api.post("/api/collect/action", { action }));
   }

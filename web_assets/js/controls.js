@@ -3,9 +3,13 @@
 import { $, $$, $input, $select, attempt, el, press, setStyle, text, toast } from "./dom.js";
 import { capital, spoken } from "./words.js";
 
-/** @import { State, Tick } from "../types/page.js" */
+/** @import { Gain, State, Tick } from "../types/page.js" */
 /** @import { Studio } from "./studio.js" */
 
+/**
+ * @type {{ name: Gain, title: string, low: number, high: number, step: number,
+ *   show: (value: number) => string, help: string }[]}
+ */
 const SLIDERS = [
   {
     name: "tilt_gain",
@@ -13,7 +17,7 @@ const SLIDERS = [
     low: 0,
     high: 2,
     step: 0.05,
-    show: (/** @type {number} */ v) => `× ${v.toFixed(2)}`,
+    show: (v) => `× ${v.toFixed(2)}`,
     help: "How far the robot leans when you do",
   },
   {
@@ -22,7 +26,7 @@ const SLIDERS = [
     low: 0,
     high: 0.3,
     step: 0.005,
-    show: (/** @type {number} */ v) => `${((v * 180) / Math.PI).toFixed(1)}°`,
+    show: (v) => `${((v * 180) / Math.PI).toFixed(1)}°`,
     help: "Leaning less than this is ignored",
   },
   {
@@ -31,11 +35,11 @@ const SLIDERS = [
     low: 0,
     high: 1.5,
     step: 0.01,
-    show: (/** @type {number} */ v) => `${v.toFixed(2)} m/s`,
+    show: (v) => `${v.toFixed(2)} m/s`,
     help: "The robot walks no faster",
   },
 ];
-/** @type {Record<string, string>} */
+/** @type {Record<State["style"], string>} */
 const STYLES = {
   march: "marching in place",
   circles: "circling your hands",
@@ -44,7 +48,7 @@ const STYLES = {
 /**
  * What each does with the reference: what an operator has to know before choosing it.
  *
- * @type {Record<string, string>}
+ * @type {Record<State["controller"], string>}
  */
 const CONTROLLERS = {
   policy: "Trained to balance while it tracks.",
@@ -64,16 +68,24 @@ export class Controls {
       for (const button of $$(`${group} button`))
         button.addEventListener("click", () => attempt(() => ask(button)));
     };
-    each("#mode", ({ dataset: { mode = "" } }) => api.post("/api/mode", { mode }));
-    each("#lock", ({ dataset: { state = "" } }) => api.post("/api/state", { state }));
-    each("#style", async ({ dataset: { style = "" } }) => {
+    each("#mode", ({ dataset }) => {
+      const mode = /** @type {State["mode"]} */ (dataset.mode);
+      return api.post("/api/mode", { mode });
+    });
+    each("#lock", ({ dataset }) => {
+      const state = /** @type {State["state_lock"]} */ (dataset.state);
+      return api.post("/api/state", { state });
+    });
+    each("#style", async ({ dataset }) => {
+      const style = /** @type {State["style"]} */ (dataset.style);
       await api.post("/api/style", { style });
       toast(`Walking means ${STYLES[style]} now`, "good");
     });
     const select = $select("#controller");
-    select.addEventListener("change", () =>
-      attempt(() => api.post("/api/controller", { controller: select.value })),
-    );
+    select.addEventListener("change", () => {
+      const controller = /** @type {State["controller"]} */ (select.value);
+      attempt(() => api.post("/api/controller", { controller }));
+    });
     for (const { name, title, low, high, step, show, help } of SLIDERS) {
       const output = el("output", { for: name });
       const range = { type: "range", id: name, min: low, max: high, step, title: help };
@@ -120,6 +132,6 @@ export class Controls {
       select.replaceChildren(...options);
     }
     if (document.activeElement !== select) select.value = controller;
-    text($("#controller-note"), CONTROLLERS[controller] ?? "");
+    text($("#controller-note"), CONTROLLERS[controller]);
   }
 }

@@ -3,7 +3,7 @@
 import { $, attempt, el, text, toast } from "./dom.js";
 import { capital, spoken } from "./words.js";
 
-/** @import { Axis, CoverageMap } from "../types/page.js" */
+/** @import { Axis, CoverageMap, Task } from "../types/page.js" */
 /** @import { Studio } from "./studio.js" */
 
 const PROPOSALS = 3;
@@ -14,7 +14,7 @@ export async function drawMap(studio, seconds) {
   const { api } = studio;
   const map = await api.get("/api/collect/map").catch(() => null);
   if (!map) return;
-  const add = async (/** @type {string} */ task) => {
+  const add = async (/** @type {Task["task"]} */ task) => {
     await api.post("/api/collect/add", { items: [{ task, takes: MORE, seconds: seconds() }] });
     toast(`Two takes of ${spoken(task)} are in the plan`, "good");
   };

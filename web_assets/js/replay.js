@@ -2,14 +2,13 @@
 
 import { $, $input, $select, attempt, showIcon, text } from "./dom.js";
 
-/** @import { SeekBody, State } from "../types/page.js" */
+/** @import { Seek, State } from "../types/page.js" */
 /** @import { Studio } from "./studio.js" */
 
 export class ReplayBar {
   /** @param {Studio} studio */
   constructor(studio) {
-    const seek = (/** @type {SeekBody} */ body) =>
-      attempt(() => studio.api.post("/api/seek", body));
+    const seek = (/** @type {Seek} */ body) => attempt(() => studio.api.post("/api/seek", body));
     const at = $input("#replay-at");
     const speed = $select("#replay-speed");
     $("#replay-play").addEventListener("click", () =>

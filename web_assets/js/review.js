@@ -5,7 +5,7 @@ import { $, $canvas, attempt, el, takesChanged, toast } from "./dom.js";
 import { filled } from "./net.js";
 import { Timeline } from "./timeline.js";
 
-/** @import { Edits, SeekBody, State, Take } from "../types/page.js" */
+/** @import { Edits, Seek, State, Take } from "../types/page.js" */
 /** @import { Actions } from "./bench.js" */
 /** @import { Studio } from "./studio.js" */
 
@@ -112,7 +112,7 @@ export class Review {
     return this.studio.state?.replay ?? STILL;
   }
 
-  /** @param {SeekBody} body */
+  /** @param {Seek} body */
   #seek(body) {
     return attempt(() => this.studio.api.post("/api/seek", body));
   }

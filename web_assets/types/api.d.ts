@@ -1091,8 +1091,11 @@ export interface components {
             name: string;
             /** Unit */
             unit: string;
-            /** Task */
-            task: string;
+            /**
+             * Task
+             * @enum {string}
+             */
+            task: "quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate";
             /** Edges */
             edges: number[];
             /** Counts */
@@ -1156,8 +1159,11 @@ export interface components {
             why: string;
             /** Plan */
             plan: components["schemas"]["PlanRow"][];
-            /** Task */
-            task?: string;
+            /**
+             * Task
+             * @enum {string}
+             */
+            task?: "quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate";
             /** State */
             state?: string;
             /** Number */
@@ -1425,8 +1431,11 @@ export interface components {
                 [key: string]: number;
             };
             robot: components["schemas"]["Pose"];
-            /** Controller */
-            controller: string;
+            /**
+             * Controller
+             * @enum {string}
+             */
+            controller: "stand_still" | "pd_playback" | "policy";
             /**
              * Style
              * @enum {string}
@@ -1449,9 +1458,9 @@ export interface components {
             t: number;
             control: components["schemas"]["Control"];
             /** Tasks */
-            tasks: string[];
+            tasks: ("quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate")[];
             /** Controllers */
-            controllers: string[];
+            controllers: ("stand_still" | "pd_playback" | "policy")[];
             /** Judged */
             judged: {
                 [key: string]: unknown;
@@ -1495,25 +1504,28 @@ export interface components {
              * Takes
              * @default 3
              */
-            takes: number;
+            takes?: number;
             /**
              * Seconds
              * @default 8
              */
-            seconds: number;
+            seconds?: number;
             /**
              * Difficulty
              * @default 0.7
              */
-            difficulty: number;
+            difficulty?: number;
         };
         /**
          * PlanRow
          * @description A run of the same motion in a plan.
          */
         PlanRow: {
-            /** Task */
-            task: string;
+            /**
+             * Task
+             * @enum {string}
+             */
+            task: "quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate";
             /** Seconds */
             seconds: number;
             /** Takes */
@@ -1542,8 +1554,11 @@ export interface components {
          * @description What to record next.
          */
         Proposal: {
-            /** Task */
-            task: string;
+            /**
+             * Task
+             * @enum {string}
+             */
+            task: "quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate";
             /** Why */
             why: string;
         };
@@ -1720,22 +1735,22 @@ export interface components {
              * Operator
              * @default me
              */
-            operator: string;
+            operator?: string;
             /**
              * Notes
              * @default
              */
-            notes: string;
+            notes?: string;
             /**
              * Preview
              * @default true
              */
-            preview: boolean;
+            preview?: boolean;
             /**
              * Hands Free
              * @default false
              */
-            hands_free: boolean;
+            hands_free?: boolean;
             /** Seed */
             seed?: number | null;
         };
@@ -1825,7 +1840,7 @@ export interface components {
              * Label
              * @default
              */
-            label: string;
+            label?: string;
             /** Name */
             name?: string | null;
         };
@@ -1891,8 +1906,11 @@ export interface components {
                 [key: string]: number;
             };
             robot: components["schemas"]["Pose"];
-            /** Controller */
-            controller: string;
+            /**
+             * Controller
+             * @enum {string}
+             */
+            controller: "stand_still" | "pd_playback" | "policy";
             /**
              * Style
              * @enum {string}
@@ -1915,9 +1933,9 @@ export interface components {
             t: number;
             control: components["schemas"]["Control"];
             /** Tasks */
-            tasks: string[];
+            tasks: ("quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate")[];
             /** Controllers */
-            controllers: string[];
+            controllers: ("stand_still" | "pd_playback" | "policy")[];
         };
         /**
          * StateProgress
@@ -2084,10 +2102,16 @@ export interface components {
          * @description What can be collected, and what the person is told.
          */
         Task: {
-            /** Task */
-            task: string;
-            /** State */
-            state: string;
+            /**
+             * Task
+             * @enum {string}
+             */
+            task: "quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate";
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "stand" | "walk" | "sit";
             /** Prompt */
             prompt: string;
         };
@@ -2321,8 +2345,11 @@ export interface components {
                 [key: string]: number;
             };
             robot: components["schemas"]["Pose"];
-            /** Controller */
-            controller: string;
+            /**
+             * Controller
+             * @enum {string}
+             */
+            controller: "stand_still" | "pd_playback" | "policy";
             /**
              * Style
              * @enum {string}
@@ -2345,9 +2372,9 @@ export interface components {
             t: number;
             control: components["schemas"]["Control"];
             /** Tasks */
-            tasks: string[];
+            tasks: ("quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate")[];
             /** Controllers */
-            controllers: string[];
+            controllers: ("stand_still" | "pd_playback" | "policy")[];
             /**
              * Type
              * @constant
