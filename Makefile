@@ -3,12 +3,16 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.setup-stamp
+WEB := web_assets
+VENDOR_STAMP := $(WEB)/vendor/icons/LICENSE
+NODE_STAMP := $(WEB)/node_modules/.check-stamp
+NPM_CI := npm --prefix $(WEB) ci --ignore-scripts --no-audit --no-fund --loglevel=error
 BROWSER_STAMP := $(VENV)/.browser-stamp
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup run test test-quick check format bench browser clean
+.PHONY: setup run test test-quick check format schema vendor bench browser clean
 
-setup: $(STAMP)
+setup: $(STAMP) vendor
 
 # torch first and pinned: a range would fetch gigabytes of CUDA libraries.
 $(STAMP): pyproject.toml constraints.txt
@@ -16,6 +20,18 @@ $(STAMP): pyproject.toml constraints.txt
 	$(BIN)/pip install --quiet --disable-pip-version-check torch==2.13.0
 	$(BIN)/pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
 	$(BIN)/python -m studio.sim.visual
+	touch $@
+
+# Pictures and libraries of the page come from npm: what is served of them is copied out.
+vendor: $(VENDOR_STAMP)
+$(VENDOR_STAMP): $(WEB)/package.json $(WEB)/package-lock.json $(WEB)/vendor.js
+	$(NPM_CI) --omit=dev
+	npm --prefix $(WEB) run -s vendor
+	touch $@
+
+# What checks the page's code; nothing of it is served.
+$(NODE_STAMP): $(VENDOR_STAMP)
+	$(NPM_CI)
 	touch $@
 
 run: setup
@@ -37,18 +53,24 @@ test: setup browser
 test-quick: setup
 	$(BIN)/pytest -n 2 --dist worksteal -m "not slow and not browser"
 
-check: setup
+# The API's schema, from which the page's types are made.
+schema: setup
+	$(BIN)/a1-studio openapi --json build/openapi.json
+
+check: setup schema $(NODE_STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/lint-imports
 	$(BIN)/pyright
+	npm --prefix $(WEB) run -s check
 
-format: setup
+format: setup schema $(NODE_STAMP)
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
+	npm --prefix $(WEB) run -s format
 
 bench: setup
 	$(BIN)/a1-studio bench
 
 clean:
-	rm -rf $(VENV) web_assets/cache build dist *.egg-info
+	rm -rf $(VENV) $(WEB)/cache $(WEB)/vendor $(WEB)/node_modules build dist *.egg-info

@@ -26,6 +26,7 @@ COMMANDS: dict[str, tuple[Callable[[Sequence[str]], Any], str]] = {
     "report": (tables.report, "one page of the tables that evaluate has made"),
     "publish": (training.publish, "ship a trained policy where it beats its baselines"),
     "export": (training.export, "write a policy as ONNX"),
+    "openapi": (flow.openapi, "print the API's schema, without starting a server"),
     "bench": (flow.bench, "measure this machine's figures"),
 }
 

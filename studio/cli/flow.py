@@ -83,3 +83,15 @@ def bench(argv: Sequence[str]) -> Answer:
     from studio.bench.run import BenchConfig, run_bench
 
     return run_bench(BenchConfig(**vars(args)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class OpenApi:
+    """Print the API's schema (OpenAPI 3.1), without starting a server."""
+
+
+def openapi(argv: Sequence[str]) -> Answer:
+    tyro.cli(OpenApi, prog="a1-studio openapi", args=argv)
+    from studio.web.schema import openapi as schema
+
+    return schema()

@@ -11,6 +11,8 @@ from studio.live.shown import PROMPTS
 from studio.reference.library import TASKS
 from studio.takes.dataset.datamap import DataMap
 from studio.takes.sessions import SessionBook
+from studio.web.answers import answers
+from studio.web.answers_takes import CollectSession, CoverageMap, Task
 from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 
@@ -33,7 +35,7 @@ def collect_router(hub: Hub) -> APIRouter:
         except StudioError as error:
             raise refused(str(error), status) from error
 
-    @router.get("/tasks")
+    @router.get("/tasks", **answers(list[Task]))
     async def tasks() -> list[dict[str, str]]:
         """What can be collected: task, state, and what the person is told."""
         return [
@@ -41,23 +43,23 @@ def collect_router(hub: Hub) -> APIRouter:
             for name, task in TASKS.items()
         ]
 
-    @router.get("/map")
+    @router.get("/map", **answers(CoverageMap))
     async def map_of_data() -> dict[str, Any]:
         """What the takes cover by state and range, and what to record next."""
         async with looking:
             return plain(await off_thread(data.as_dict, status=500))
 
-    @router.get("/sessions")
+    @router.get("/sessions", **answers(list[CollectSession]))
     async def sessions() -> list[dict[str, Any]]:
         """Takes by operator and day, newest first, with notes and calibration."""
         return [s.as_dict() for s in await off_thread(book.list)]
 
-    @router.get("/sessions/{name}")
+    @router.get("/sessions/{name}", **answers(CollectSession))
     async def session(name: str) -> dict[str, Any]:
         """One session."""
         return (await off_thread(book.read, name)).as_dict()
 
-    @router.patch("/sessions/{name}")
+    @router.patch("/sessions/{name}", **answers(CollectSession))
     async def note(name: str, body: NotesBody) -> dict[str, Any]:
         """Write a session's notes."""
         return (await off_thread(book.note, name, body.notes)).as_dict()

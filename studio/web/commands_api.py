@@ -17,8 +17,10 @@ from pydantic import BaseModel, Field, create_model
 import studio
 from studio.errors import StudioError
 from studio.live.command import misfit
-from studio.live.commands import COMMANDS, Command
+from studio.live.commands import COMMANDS, CollectAction, Command, StartTake, StopTake
 from studio.takes.library import SessionLibrary
+from studio.web.answers import Judged, State, answers
+from studio.web.answers_takes import Started, Stopped
 from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 
@@ -51,6 +53,10 @@ class CommandRoute(APIRoute):
         return handled
 
 
+ANSWERS: dict[type[Command], Any] = {
+    StartTake: Started, StopTake: Stopped, CollectAction: Judged,
+}  # fmt: skip
+"""What a command is answered that is not answered the state."""
 REFUSALS: dict[int | str, dict[str, Any]] = {409: {"description": "not applied; `why` says why"}}
 
 
@@ -74,7 +80,7 @@ def commands_router(hub: Hub) -> APIRouter:
             return JSONResponse({"status": "starting", "version": studio.__version__}, 503)
         return {"status": "ok", "version": studio.__version__}
 
-    @router.get("/state", tags=["studio"])
+    @router.get("/state", tags=["studio"], **answers(State))
     async def state() -> dict[str, Any]:
         """What the studio is doing, and why nothing moves if nothing does."""
         return hub.state()
@@ -90,9 +96,10 @@ def commands_router(hub: Hub) -> APIRouter:
                 tags=[command.tag],
                 dependencies=[Depends(known_take)] if "{name}" in command.path else [],
                 route_class_override=CommandRoute if command.misfit_status == 409 else None,
+                **answers(ANSWERS.get(command, State)),
             )
 
-    @router.post("/control", tags=["studio"])
+    @router.post("/control", tags=["studio"], **answers(State))
     async def control(body: ControlBody) -> dict[str, Any]:
         """A page takes, hands over or gives up control."""
         try:

@@ -12,6 +12,7 @@ from studio.errors import StudioError
 from studio.human.joint_names import UnmappedJoints
 from studio.live.commands import SetSource
 from studio.sources import open_source
+from studio.web.answers import State, answers
 from studio.web.hub import Hub, refused
 
 MAX_FILE = 64 * 1024 * 1024
@@ -29,7 +30,7 @@ def files_router(hub: Hub, folder: Path) -> APIRouter:
     """`folder`: where dropped files live while the studio runs."""
     router = APIRouter(prefix="/api", tags=["studio"])
 
-    @router.post("/files")
+    @router.post("/files", **answers(State))
     async def drop(name: str, request: Request) -> dict[str, Any]:
         """Body: the file's bytes; `name`: its name. Answers the state, with it as the source."""
         kind = KINDS.get(Path(name).suffix.lower())

@@ -16,6 +16,7 @@ import studio
 from studio.live.command import misfit
 from studio.paths import carried
 from studio.web.access import AccessMiddleware
+from studio.web.answers import with_messages
 from studio.web.collect_api import collect_router
 from studio.web.commands_api import commands_router
 from studio.web.files_api import files_router
@@ -37,9 +38,8 @@ def assets_folder() -> Path:
     raise FileNotFoundError("web_assets/index.html is missing; install A1 Studio again")
 
 
-def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
-    """The application, access checks outermost. uploads: an existing folder for dropped files."""
-    assets = assets_folder()
+def create_api(hub: Hub, uploads: Path) -> FastAPI:
+    """The API alone. uploads: an existing folder for dropped files."""
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -66,6 +66,15 @@ def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
     app.include_router(files_router(hub, uploads))
     app.include_router(joint_map_router(hub))
     app.include_router(sockets_router(hub))
+    plain_schema = app.openapi
+    app.openapi = lambda: with_messages(plain_schema())  # type: ignore[method-assign]
+    return app
+
+
+def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
+    """The application, access checks outermost. uploads: an existing folder for dropped files."""
+    assets = assets_folder()
+    app = create_api(hub, uploads)
     if inner is not None:
         app.include_router(view_router(inner))
 
@@ -81,7 +90,7 @@ def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
             return HTMLResponse((assets / "docs.html").read_text("utf-8"))
         return JSONResponse(app.openapi())
 
-    for name in ("css", "js", "img"):
+    for name in ("css", "js", "img", "vendor"):
         if (assets / name).is_dir():
             app.mount(f"/assets/{name}", StaticFiles(directory=assets / name), name=name)
 

@@ -18,6 +18,8 @@ from studio.takes.export import adding
 from studio.takes.export.archive import FILES
 from studio.takes.names import fit_name
 from studio.takes.record.recorder import TAPE
+from studio.web.answers import answers
+from studio.web.answers_takes import Imported
 from studio.web.hub import Hub, refused
 
 MAX_BODY = 2 * 2**30
@@ -49,7 +51,7 @@ def import_router(hub: Hub) -> APIRouter:
     """`POST /import`, below `/api/takes`."""
     router = APIRouter(tags=["takes"])
 
-    @router.post("/import", openapi_extra=BODY)
+    @router.post("/import", openapi_extra=BODY, **answers(Imported))
     async def import_(request: Request) -> dict[str, Any]:
         """Files of one take (tape.mcap, meta.json, edits.jsonl), a .zip of takes, or a motion file.
 

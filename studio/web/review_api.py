@@ -12,6 +12,8 @@ from studio.errors import StudioError
 from studio.takes.align import synchrony
 from studio.takes.edit import edited, review, windows
 from studio.takes.library import SessionLibrary
+from studio.web.answers import answers
+from studio.web.answers_takes import Aligned, Split, TakeInfo, Timeline
 from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 
@@ -62,18 +64,18 @@ def review_router(hub: Hub) -> APIRouter:
         """Names in the bin."""
         return await off_thread(library.deleted, 500)
 
-    @router.post("/{name}/restore")
+    @router.post("/{name}/restore", **answers(TakeInfo))
     async def restore(name: str) -> dict[str, Any]:
         """Back from the bin."""
         return (await off_thread(lambda: library.restore(name), 404)).as_dict()
 
-    @router.get("/{name}/review")
+    @router.get("/{name}/review", **answers(review.Review))
     async def reviewed(name: str) -> dict[str, Any]:
         """Suggestions, alignment as it is and as proposed, score and why."""
         await known(name)
         return plain((await off_thread(lambda: review.review(library, name))).as_dict())
 
-    @router.get("/{name}/timeline")
+    @router.get("/{name}/timeline", **answers(Timeline))
     async def timeline(name: str, points: int = 600, aligned: bool = True) -> dict[str, Any]:
         """Curves of both sides over the whole take: tilt, height, hands and paws, steps."""
         await known(name)
@@ -91,7 +93,7 @@ def review_router(hub: Hub) -> APIRouter:
 
         return plain(await off_thread(work))
 
-    @router.post("/{name}/align")
+    @router.post("/{name}/align", **answers(Aligned))
     async def align(name: str, body: AlignBody) -> dict[str, Any]:
         """Accept or refuse the proposed alignment: an edit, which undo takes back."""
         await known(name)
@@ -104,7 +106,7 @@ def review_router(hub: Hub) -> APIRouter:
             told = {}
         return {**await info(name), **plain({k: vars(v) for k, v in told.items() if v})}
 
-    @router.post("/{name}/clean")
+    @router.post("/{name}/clean", **answers(TakeInfo))
     async def clean(name: str, body: CleanBody | None = None) -> dict[str, Any]:
         """Cut suggestions out: an edit, which undo takes back."""
         await known(name)
@@ -112,7 +114,7 @@ def review_router(hub: Hub) -> APIRouter:
         await off_thread(lambda: review.accept_suggestions(library, name, which))
         return await info(name)
 
-    @router.post("/{name}/split")
+    @router.post("/{name}/split", **answers(Split))
     async def split(name: str, body: SplitBody) -> dict[str, Any]:
         """One take into two of the same tape; undo joins them."""
         await known(name)

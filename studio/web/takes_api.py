@@ -15,6 +15,9 @@ from starlette.background import BackgroundTask
 from studio.errors import StudioError
 from studio.takes.export.formats import export_file as export_take
 from studio.takes.library import SessionLibrary
+from studio.takes.listing import TakeInfo
+from studio.web.answers import answers
+from studio.web.answers_takes import Deleted
 from studio.web.hub import Hub, refused
 from studio.web.import_api import import_router
 
@@ -50,39 +53,39 @@ def takes_router(hub: Hub) -> APIRouter:
         except StudioError as error:
             raise refused(str(error), status) from error
 
-    @router.get("", response_model=list[dict[str, Any]])
+    @router.get("", **answers(list[TakeInfo]))
     async def takes() -> Response:
         """Every take: name, label, seconds, ticks, score, kept."""
         # Encoded here, off the event loop: ten thousand would hold it up for half a second.
         found = await off_thread(lambda: msgspec.json.encode(library.list()), status=500)
         return Response(found, media_type="application/json")
 
-    @router.get("/{name}")
+    @router.get("/{name}", **answers(TakeInfo))
     async def one(name: str) -> dict[str, Any]:
         """One take."""
         return (await off_thread(library.info, name)).as_dict()
 
-    @router.patch("/{name}")
+    @router.patch("/{name}", **answers(TakeInfo))
     async def edit(name: str, body: EditBody) -> dict[str, Any]:
         """Label, note, trim, lag, keep, score. The tape itself is never touched."""
         changes = body.model_dump(exclude_unset=True)
         await off_thread(library.folder, name)
         return (await off_thread(library.edit, name, status=422, **changes)).as_dict()
 
-    @router.delete("/{name}")
+    @router.delete("/{name}", **answers(Deleted))
     async def delete(name: str) -> dict[str, Any]:
         """Into the bin."""
         await off_thread(library.folder, name)
         await off_thread(library.delete, name, status=409)
         return {"name": name, "deleted": True}
 
-    @router.post("/{name}/undo")
+    @router.post("/{name}/undo", **answers(TakeInfo))
     async def undo(name: str) -> dict[str, Any]:
         """Take the last edit back."""
         await off_thread(library.folder, name)
         return (await off_thread(library.undo, name, status=409)).as_dict()
 
-    @router.post("/{name}/redo")
+    @router.post("/{name}/redo", **answers(TakeInfo))
     async def redo(name: str) -> dict[str, Any]:
         """Do it again."""
         await off_thread(library.folder, name)

@@ -14,6 +14,8 @@ from studio.reference.intent import STATES
 from studio.retarget.store import STYLES
 from studio.takes.dataset import datasets
 from studio.takes.library import SessionLibrary
+from studio.web.answers import answers
+from studio.web.answers_takes import DataSet, TrainedMapper, Training
 from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 from studio.web.train_jobs import TrainJobs
@@ -71,30 +73,30 @@ def train_router(hub: Hub) -> APIRouter:
         options += ["--start", body.start, "--steps", str(body.steps)]
         return name, [*options, "--mirror" if body.mirror else "--no-mirror"]
 
-    @router.post("/train")
+    @router.post("/train", **answers(Training))
     async def train(body: TrainBody) -> dict[str, Any]:
         """Train a mapper in a process of its own; watch it with GET."""
         name, options = await off_thread(lambda: checked(body), 422)
         return plain((await off_thread(lambda: jobs.start(name, options))).as_dict())
 
-    @router.get("/train")
+    @router.get("/train", **answers(Training | None))
     async def progress() -> dict[str, Any] | None:
         """The last training: status, curves, held-out scores; null before the first."""
         job = jobs.job
         return None if job is None else plain(await off_thread(job.as_dict))
 
-    @router.post("/train/cancel")
+    @router.post("/train/cancel", **answers(Training))
     async def cancel() -> dict[str, Any]:
         """End it; nothing is kept of it."""
         return plain((await off_thread(jobs.cancel)).as_dict())
 
-    @router.get("/datasets")
+    @router.get("/datasets", **answers(list[DataSet]))
     async def data_sets() -> list[dict[str, Any]]:
         """Every data set version: what it was made from, and how many pairs it holds."""
         found = await off_thread(lambda: datasets.versions(hub.sessions))
         return plain([{k: v for k, v in m.items() if k != "statistics"} for m in found])
 
-    @router.get("/mappers")
+    @router.get("/mappers", **answers(list[TrainedMapper]))
     async def mappers() -> list[dict[str, Any]]:
         """Every mapper trained here, with its data, settings and scores."""
         return plain(await off_thread(lambda: list_mappers(hub.sessions)))

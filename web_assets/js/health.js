@@ -1,87 +1,99 @@
 // How the loop is doing: time per section, a sparkline, and what was dropped.
 
-import { $, el, text } from "./ui.js";
+import { $, $canvas, el, setStyle, text } from "./dom.js";
+import { HISTORY } from "./history.js";
 
-const COLOURS = ["#5c9cff", "#f0975f", "#2ecc82", "#b18cff", "#f5b83d", "#4fd1d9", "#ff7aa8", "#9fb0c8", "#7ddf64", "#d68f5b"];
-// Sums of other sections, and waiting, are not work.
-const SUMS = new Set(["retarget", "inference", "total", "tick", "period", "wait", "sleep", "jitter"]);
-const HISTORY = 600;
-const history = [];
-const means = new Map();
-const fps = { count: 0, since: performance.now(), value: 0 };
+/** @import { TickHistory } from "./history.js" */
 
-export function count(tick) {
-  fps.count += 1;
-  const now = performance.now();
-  if (now - fps.since >= 1000) {
-    fps.value = (1000 * fps.count) / (now - fps.since);
-    fps.count = 0;
-    fps.since = now;
+const COLOURS = [
+  "#5c9cff",
+  "#f0975f",
+  "#2ecc82",
+  "#b18cff",
+  "#f5b83d",
+  "#4fd1d9",
+  "#ff7aa8",
+  "#9fb0c8",
+  "#7ddf64",
+  "#d68f5b",
+];
+const COUNTERS = ["frames", "rejected", "stale", "clipped", "late"];
+const HARMLESS = ["frames", "clipped"];
+const HEIGHT = 56;
+
+/** @param {number} i */
+const coloured = (i) => el("i", { style: { "--c": COLOURS[i % COLOURS.length] } });
+
+/** @param {TickHistory} history @param {Record<string, number>} counters */
+export function drawHealth(history, counters) {
+  drawSections(history.sections);
+  const [p50, p99] = [0.5, 0.99].map((p) => history.percentile(p).toFixed(2));
+  text($("#health-now"), `p50 ${p50} · p99 ${p99} ms`);
+  drawSpark($canvas("#spark"), history);
+  const list = $("#counters");
+  if (!list.children.length)
+    list.append(
+      ...COUNTERS.map((name) =>
+        el("div", { id: `count-${name}` }, el("dt", {}, name), el("dd", {}, "0")),
+      ),
+    );
+  for (const name of COUNTERS) {
+    const cell = $(`#count-${name}`);
+    const count = counters[name] ?? 0;
+    text($("dd", cell), count.toLocaleString("en"));
+    cell.classList.toggle("bad", count > 0 && !HARMLESS.includes(name));
   }
-  let total = 0;
-  for (const [name, ms] of Object.entries(tick.timings_ms)) {
-    if (SUMS.has(name)) continue;
-    total += ms;
-    means.set(name, 0.95 * (means.get(name) ?? ms) + 0.05 * ms);
-  }
-  history.push(total);
-  if (history.length > HISTORY) history.shift();
-  return total;
 }
 
-export const framesPerSecond = () => fps.value;
-
-export function percentile(p) {
-  const sorted = [...history].sort((a, b) => a - b);
-  return sorted.length ? sorted[Math.min(sorted.length - 1, Math.floor(p * sorted.length))] : 0;
-}
-
-export function drawHealth(counters) {
-  const sections = $("#sections");
-  const names = [...means.keys()];
-  if (sections.dataset.names !== names.join()) {
-    sections.dataset.names = names.join();
-    const coloured = (tag, i) => { const node = el(tag); node.style.setProperty("--c", COLOURS[i % COLOURS.length]); return node; };
-    sections.replaceChildren(
-      el("div", { class: "stack", title: "Where the time of a tick goes" }, ...names.map((_, i) => coloured("i", i))),
-      el("div", { class: "legend" }, ...names.map((name, i) => el("div", {}, coloured("i", i), name, el("b", {}, "")))),
+/** @param {Map<string, number>} sections */
+function drawSections(sections) {
+  const box = $("#sections");
+  const names = [...sections.keys()];
+  if (box.dataset.names !== names.join()) {
+    box.dataset.names = names.join();
+    const bars = names.map((name, i) => el("div", {}, coloured(i), name, el("b")));
+    box.replaceChildren(
+      el(
+        "div",
+        { class: "stack", title: "Where the time of a tick goes" },
+        ...names.map((_, i) => coloured(i)),
+      ),
+      el("div", { class: "legend" }, ...bars),
     );
   }
-  names.forEach((name, i) => {
-    $(".stack", sections).children[i].style.flex = `${means.get(name)} 0 0`;
-    text($("b", $(".legend", sections).children[i]), means.get(name).toFixed(2));
+  const stack = $(".stack", box).children;
+  const legend = $(".legend", box).children;
+  [...sections.values()].forEach((ms, i) => {
+    setStyle(/** @type {HTMLElement} */ (stack[i]), { flex: `${ms} 0 0` });
+    text($("b", legend[i]), ms.toFixed(2));
   });
-  text($("#health-now"), `p50 ${percentile(0.5).toFixed(2)} · p99 ${percentile(0.99).toFixed(2)} ms`);
-  spark($("#spark"));
-  const list = $("#counters");
-  const shown = ["frames", "rejected", "stale", "clipped", "late"];
-  if (!list.children.length)
-    list.append(...shown.map((name) => el("div", { id: `count-${name}` }, el("dt", {}, name), el("dd", {}, "0"))));
-  for (const name of shown) {
-    const cell = $(`#count-${name}`);
-    text($("dd", cell), (counters[name] ?? 0).toLocaleString("en"));
-    cell.classList.toggle("bad", name !== "frames" && name !== "clipped" && counters[name] > 0);
-  }
 }
 
-function spark(canvas) {
-  const ratio = devicePixelRatio || 1, w = canvas.clientWidth, h = 56;
-  if (!w) return;
-  if (canvas.width !== Math.round(w * ratio)) { canvas.width = Math.round(w * ratio); canvas.height = h * ratio; }
-  const context = canvas.getContext("2d"), style = getComputedStyle(canvas);
-  context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  context.clearRect(0, 0, w, h);
-  const top = Math.max(2, percentile(0.995) * 1.25);
-  const y = (ms) => h - 4 - (h - 10) * Math.min(1, ms / top);
-  context.beginPath();
-  history.forEach((ms, i) => context.lineTo((i / (HISTORY - 1)) * w, y(ms)));
-  context.strokeStyle = style.getPropertyValue("--accent");
-  context.lineWidth = 1.4;
-  context.stroke();
-  context.fillStyle = style.getPropertyValue("--muted");
-  context.font = "11px system-ui, sans-serif";
-  context.textAlign = "left";
-  context.fillText(`${top.toFixed(1)} ms`, 2, 11);
-  context.textAlign = "right";
-  context.fillText("a tick, last 20 s", w - 2, 11);
+/** @param {HTMLCanvasElement} canvas @param {TickHistory} history */
+function drawSpark(canvas, history) {
+  const ratio = devicePixelRatio || 1;
+  const width = canvas.clientWidth;
+  const pen = canvas.getContext("2d");
+  if (!width || !pen) return;
+  if (canvas.width !== Math.round(width * ratio)) {
+    canvas.width = Math.round(width * ratio);
+    canvas.height = HEIGHT * ratio;
+  }
+  const style = getComputedStyle(canvas);
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.clearRect(0, 0, width, HEIGHT);
+  const top = Math.max(2, history.percentile(0.995) * 1.25);
+  pen.beginPath();
+  history.total.forEach((ms, i) =>
+    pen.lineTo((i / (HISTORY - 1)) * width, HEIGHT - 4 - (HEIGHT - 10) * Math.min(1, ms / top)),
+  );
+  pen.strokeStyle = style.getPropertyValue("--accent");
+  pen.lineWidth = 1.4;
+  pen.stroke();
+  pen.fillStyle = style.getPropertyValue("--muted");
+  pen.font = "11px system-ui, sans-serif";
+  pen.textAlign = "left";
+  pen.fillText(`${top.toFixed(1)} ms`, 2, 11);
+  pen.textAlign = "right";
+  pen.fillText("a tick, last 20 s", width - 2, 11);
 }

@@ -1,54 +1,105 @@
 // The keyboard, wherever the focus is: the page, a text box, or inside the framed view.
 
-import { onControl, typing } from "./ui.js";
-
+/** Keys that drive, and what the person does while they are held. */
 export const DRIVE = [
-  ["W", "march: walk forward"], ["Shift", "with W: faster"],
-  ["A", "turn left"], ["D", "turn right"],
-  ["Q", "lean left"], ["E", "lean right"],
-  ["↑", "bend forward"], ["↓", "lean back"],
-  ["←", "twist left"], ["→", "twist right"],
-  ["C", "bend the knees"], ["X", "sit"],
-  ["F", "left arm up"], ["G", "right arm up"],
+  ["W", "march: walk forward"],
+  ["Shift", "with W: faster"],
+  ["A", "turn left"],
+  ["D", "turn right"],
+  ["Q", "lean left"],
+  ["E", "lean right"],
+  ["↑", "bend forward"],
+  ["↓", "lean back"],
+  ["←", "twist left"],
+  ["→", "twist right"],
+  ["C", "bend the knees"],
+  ["X", "sit"],
+  ["F", "left arm up"],
+  ["G", "right arm up"],
 ];
+/** @type {Record<string, string>} */
 const NAMES = { ArrowUp: "↑", ArrowDown: "↓", ArrowLeft: "←", ArrowRight: "→" };
 const DRIVING = new Set(DRIVE.map(([key]) => key));
-const held = new Set();
+const UNTYPED = ["range", "checkbox", "button", "file"];
+const CONTROLS = ["INPUT", "BUTTON", "SELECT", "SUMMARY", "A", "LABEL"];
 
-export const heldKeys = () => [...held];
+/** What the keyboard looks at of an element, in whichever window it lies. */
+/** @typedef {{ tagName?: string, type?: string, isContentEditable?: boolean }} Focus */
 
-const nameOf = (event) =>
-  NAMES[event.key] ?? (event.code.startsWith("Key") ? event.code.slice(3) : event.key);
+/** Whether keys write text there. @param {Focus | null} node */
+export const typing = (node) =>
+  Boolean(node?.isContentEditable) ||
+  node?.tagName === "TEXTAREA" ||
+  (node?.tagName === "INPUT" && !UNTYPED.includes(node.type ?? ""));
 
-// actions: {stop(), key: action …}; driving(): whether driving keys are meant as such.
-export function keyboard(actions, driving, changed) {
-  const down = (event) => {
+/** Whether Space and Enter mean something there. @param {Focus | null} node */
+export const onControl = (node) => typing(node) || CONTROLS.includes(node?.tagName ?? "");
+
+/** A key by what is written on it. @param {{ key: string, code: string }} event */
+export const nameOf = ({ key, code }) =>
+  NAMES[key] ?? (code.startsWith("Key") ? code.slice(3) : key);
+
+/** Which keys are held down, and what a key that is pressed does. */
+export class Keyboard {
+  /** @type {Set<string>} */
+  #held = new Set();
+
+  /**
+   * @param {Record<string, () => unknown> & { stop: () => void }} actions by a key's name
+   * @param {() => boolean} driving whether driving keys are meant as such
+   * @param {(held: Set<string>) => void} changed
+   */
+  constructor(actions, driving, changed) {
+    this.actions = actions;
+    this.driving = driving;
+    this.changed = changed;
+  }
+
+  /** Names of the keys held down. */
+  get held() {
+    return [...this.#held];
+  }
+
+  /** @param {Window} target */
+  listen(target) {
+    target.addEventListener("keydown", (event) => this.down(event), true);
+    target.addEventListener("keyup", (event) => this.up(event), true);
+    target.addEventListener("blur", () => this.clear());
+    target.document.addEventListener("visibilitychange", () => this.clear());
+  }
+
+  /** @param {KeyboardEvent} event */
+  down(event) {
+    const focus = /** @type {Focus | null} */ (event.target);
+    const name = nameOf(event);
     if (event.key === "Escape") {
       // First of all listeners, and nothing else may swallow it.
       event.stopImmediatePropagation();
       event.preventDefault();
-      if (!event.repeat) actions.stop();
+      if (!event.repeat) this.actions.stop();
+    } else if (typing(focus) || event.ctrlKey || event.metaKey || event.altKey) {
       return;
+    } else if (event.key === " " && !onControl(focus)) {
+      event.preventDefault();
+      if (!event.repeat) this.actions.stop();
+    } else if (this.driving() && DRIVING.has(name)) {
+      event.preventDefault();
+      if (!this.#held.has(name)) this.changed(this.#held.add(name));
+    } else if (!event.repeat && this.actions[name] && !(name === "Enter" && onControl(focus))) {
+      event.preventDefault();
+      this.actions[name]();
     }
-    if (typing(event.target) || event.ctrlKey || event.metaKey || event.altKey) return;
-    const name = nameOf(event);
-    if (event.key === " " && !onControl(event.target)) {
-      event.preventDefault();
-      if (!event.repeat) actions.stop();
-    } else if (driving() && DRIVING.has(name)) {
-      event.preventDefault();
-      if (!held.has(name)) { held.add(name); changed(held); }
-    } else if (!event.repeat && actions[name] && !(event.key === "Enter" && onControl(event.target))) {
-      event.preventDefault();
-      actions[name]();
-    }
-  };
-  const up = (event) => { if (held.delete(nameOf(event))) changed(held); };
-  const clear = () => { if (held.size) { held.clear(); changed(held); } };
-  return (target) => {
-    target.addEventListener("keydown", down, true);
-    target.addEventListener("keyup", up, true);
-    target.addEventListener("blur", clear);
-    target.document.addEventListener("visibilitychange", clear);
-  };
+  }
+
+  /** @param {KeyboardEvent} event */
+  up(event) {
+    if (this.#held.delete(nameOf(event))) this.changed(this.#held);
+  }
+
+  /** Nothing is held any more: the window lost the keyboard. */
+  clear() {
+    if (!this.#held.size) return;
+    this.#held.clear();
+    this.changed(this.#held);
+  }
 }

@@ -1,65 +1,164 @@
 // Talking to the studio: requests that say why they failed, and sockets that come back.
 
-let page = null;
-export const pageName = () => page;
+/** @import { Answer, Body, PathOf, StateMessage, Tick, Values } from "../types/page.js" */
 
 export class Refused extends Error {}
 
-export async function call(method, path, body) {
-  const raw = body instanceof Blob;
-  const headers = page ? { "X-Studio-Page": page } : {};
-  if (body !== undefined && !raw) headers["Content-Type"] = "application/json";
-  let answer;
-  try {
-    answer = await fetch(path, { method, headers, body: raw ? body : JSON.stringify(body) });
-  } catch {
-    throw new Refused("the studio does not answer");
+/**
+ * A path of the schema with its braces filled; what is left of the values becomes its query.
+ *
+ * @param {string} path
+ * @param {unknown} [values]
+ */
+export function filled(path, values) {
+  const query = new URLSearchParams();
+  let out = path;
+  for (const [key, value] of Object.entries(values ?? {})) {
+    const place = `{${key}}`;
+    if (path.includes(place)) out = out.replace(place, encodeURIComponent(String(value)));
+    else query.set(key, String(value));
   }
-  const type = answer.headers.get("content-type") ?? "";
-  const data = type.includes("json") ? await answer.json() : {};
-  if (!answer.ok) throw new Refused(data.why ?? data.error ?? `refused (${answer.status})`);
-  return data;
+  return query.size ? `${out}?${query}` : out;
 }
 
-export const get = (path) => call("GET", path);
-export const post = (path, body = {}) => call("POST", path, body);
+/** The HTTP API, typed by its schema. `page`: this page's name while its own line is up. */
+export class Api {
+  /** @type {string | null} */
+  page = null;
 
-function socketUrl(path) {
-  return `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
+  /**
+   * @template {PathOf<"get">} P
+   * @param {P} path
+   * @param {Values<P, "get">} [values]
+   * @returns {Promise<Answer<P, "get">>}
+   */
+  get(path, values) {
+    return this.send("GET", filled(path, values));
+  }
+
+  /**
+   * @template {PathOf<"post">} P
+   * @param {P} path
+   * @param {Body<P, "post">} [body]
+   * @param {Values<P, "post">} [values]
+   * @returns {Promise<Answer<P, "post">>}
+   */
+  post(path, body, values) {
+    return this.send("POST", filled(path, values), body ?? {});
+  }
+
+  /**
+   * @template {PathOf<"patch">} P
+   * @param {P} path
+   * @param {Body<P, "patch">} body
+   * @param {Values<P, "patch">} values
+   * @returns {Promise<Answer<P, "patch">>}
+   */
+  patch(path, body, values) {
+    return this.send("PATCH", filled(path, values), body);
+  }
+
+  /**
+   * @template {PathOf<"delete">} P
+   * @param {P} path
+   * @param {Values<P, "delete">} values
+   * @returns {Promise<Answer<P, "delete">>}
+   */
+  delete(path, values) {
+    return this.send("DELETE", filled(path, values));
+  }
+
+  /**
+   * Whatever the answer's type: `get` and the others know it.
+   *
+   * @param {string} method
+   * @param {string} path
+   * @param {unknown} [body] JSON, or a Blob as it is
+   * @returns {Promise<any>}
+   */
+  async send(method, path, body) {
+    const raw = body instanceof Blob;
+    const headers = this.headers();
+    if (body !== undefined && !raw) headers["Content-Type"] = "application/json";
+    let answer;
+    try {
+      answer = await fetch(path, { method, headers, body: raw ? body : JSON.stringify(body) });
+    } catch {
+      throw new Refused("the studio does not answer");
+    }
+    const type = answer.headers.get("content-type") ?? "";
+    const data = type.includes("json") ? await answer.json() : {};
+    if (!answer.ok) throw new Refused(data.why ?? data.error ?? `refused (${answer.status})`);
+    return data;
+  }
+
+  /** @returns {Record<string, string>} */
+  headers() {
+    return this.page ? { "X-Studio-Page": this.page } : {};
+  }
 }
 
-// A socket that reconnects by itself; `hooks`: open, message(data), closed.
-function lasting(path, hooks) {
-  let socket = null, wait = 250;
+/** @param {string} path */
+const socketUrl = (path) =>
+  `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
+
+/** Ticks as they come, over a socket that reconnects by itself. */
+export function ticks(/** @type {(tick: Tick) => void} */ onTick) {
+  let wait = 250;
   const open = () => {
-    socket = new WebSocket(socketUrl(path));
-    socket.onopen = () => { wait = 250; hooks.open?.(); };
-    socket.onmessage = (event) => hooks.message(JSON.parse(event.data));
-    socket.onclose = () => { hooks.closed?.(); setTimeout(open, wait); wait = Math.min(2000, wait * 2); };
+    const socket = new WebSocket(socketUrl("/api/ticks"));
+    socket.onopen = () => {
+      wait = 250;
+    };
+    socket.onmessage = (event) => onTick(JSON.parse(event.data));
+    socket.onclose = () => {
+      setTimeout(open, wait);
+      wait = Math.min(2000, wait * 2);
+    };
   };
   open();
-  return { send: (value) => socket?.readyState === 1 && (socket.send(JSON.stringify(value)), true) };
 }
 
-export const ticks = (onTick) => lasting("/api/ticks", { message: onTick });
+/**
+ * The page's own line, kept by a worker (pace.js): twenty heartbeats a second with the keys held
+ * down, and the emergency stop, past every request that may be waiting. By HTTP, if it is down.
+ */
+export class ControlLine {
+  /** ms to the studio and back. */
+  roundTrip = 0;
+  #worker = new Worker("/assets/js/pace.js");
 
-// The page's own line, kept by a worker (pace.js): twenty heartbeats a second with the keys held
-// down, and the emergency stop, past every request that may be waiting. By HTTP, if it is down.
-export function controlLine({ onState, onLink, heldKeys }) {
-  let roundTrip = 0;
-  const worker = new Worker("/assets/js/pace.js");
-  const say = () => worker.postMessage({ type: "said", said: { keys: heldKeys(), visible: !document.hidden } });
-  worker.onmessage = ({ data }) => {
-    if (data.type === "ping") worker.postMessage({ type: "pong" });
-    else if (data.type === "state") { page = data.page; roundTrip = data.roundTrip; onState(data); }
-    else if (data.type === "link") { if (data.link === "down") page = null; onLink(data.link); }
-    else if (data.type === "unsent-stop") post("/api/stop").catch(() => {});
-  };
-  document.addEventListener("visibilitychange", say);
-  worker.postMessage({ type: "open", url: socketUrl("/api/control") });
-  return {
-    say,
-    stop: () => worker.postMessage({ type: "stop" }),
-    get roundTrip() { return roundTrip; },
-  };
+  /**
+   * @param {Api} api
+   * @param {{ heldKeys: () => string[], onState: (state: StateMessage) => void,
+   *   onLink: (link: "up" | "down") => void }} hooks
+   */
+  constructor(api, { heldKeys, onState, onLink }) {
+    this.api = api;
+    this.heldKeys = heldKeys;
+    this.#worker.onmessage = ({ data }) => {
+      if (data.type === "ping") this.#worker.postMessage({ type: "pong" });
+      else if (data.type === "state") {
+        api.page = data.page;
+        this.roundTrip = data.roundTrip;
+        onState(data);
+      } else if (data.type === "link") {
+        if (data.link === "down") api.page = null;
+        onLink(data.link);
+      } else if (data.type === "unsent-stop") api.post("/api/stop").catch(() => {});
+    };
+    document.addEventListener("visibilitychange", () => this.say());
+    this.#worker.postMessage({ type: "open", url: socketUrl("/api/control") });
+  }
+
+  /** Beat now, with the keys as they are. */
+  say() {
+    const said = { keys: this.heldKeys(), visible: !document.hidden };
+    this.#worker.postMessage({ type: "said", said });
+  }
+
+  /** Emergency stop. */
+  stop() {
+    this.#worker.postMessage({ type: "stop" });
+  }
 }

@@ -1,190 +1,216 @@
 // Reviewing a take: a timeline of both sides under the 3-D view; scrub, trim, align, clean, judge.
 
-import { $, attempt, capital, el, press, text, toast } from "./ui.js";
-import { call, get, post } from "./net.js";
+import { benchOf, drawBench, drawPlaying } from "./bench.js";
+import { $, $canvas, attempt, el, takesChanged, toast } from "./dom.js";
+import { filled } from "./net.js";
 import { Timeline } from "./timeline.js";
 
-const EXPORTS = [["npz", "NPZ: both sides"], ["csv", "CSV: both sides"], ["bvh", "BVH: the person"], ["jsonl", "JSON lines: the person"],
-  ["pairs", "Pairs as Parquet"], ["hdf5", "HDF5"], ["lerobot", "LeRobot data set"], ["html", "Replay as a web page"]];
-const FLAWS = 40; // with a button of their own; the next come up as these are cut out
-const SPEEDS = [0.25, 0.5, 1, 2, 4];
-let app = null, name = null, info = null, found = null, before = null, timeline = null, came = "live", aligned = true;
+/** @import { Edits, Seek, State, Take } from "../types/page.js" */
+/** @import { Actions } from "./bench.js" */
+/** @import { Studio } from "./studio.js" */
 
-export const reviewing = () => name !== null;
+/** Points of each curve. */
+const POINTS = 500;
+const FRAME = 1 / 30; // s
+const STILL = { t: 0, playing: false, loop: false, speed: 1 };
 
-const take = (path = "") => `/api/takes/${name}${path}`;
-const edit = (changes) => attempt(async () => { info = await call("PATCH", take(), changes); await reload(); });
-const step = (which) => attempt(async () => { info = await post(take(`/${which}`)); await reload(); });
+export class Review {
+  /** The take on the bench. @type {Take | null} */
+  #take = null;
+  /** Whether the person is shown as aligned. */
+  #aligned = true;
+  /** The mode to go back to. @type {State["mode"]} */
+  #came = "live";
+  /** @type {Actions} */
+  #actions;
+  /** @type {Timeline} */
+  #timeline;
 
-export const reviewKeys = {
-  P: () => name && play(),
-  ",": () => name && nudge(-1), ".": () => name && nudge(1),
-  I: () => name && trimTo(0), O: () => name && trimTo(1),
-  Z: () => name && info.undoable && step("undo"), Y: () => name && info.redoable && step("redo"),
-  L: () => name && loop(),
-};
-
-export function startReview(studio) {
-  app = studio;
-  const button = (id, label, title, onclick, key) => el("button", { id, title, onclick }, label, key ? el("kbd", {}, key) : null);
-  $(".stage").append(el("section", { class: "bench", id: "bench", hidden: true, "aria-label": "Review of a take" },
-    el("div", { class: "bench-bar" },
-      el("button", { class: "icon", id: "bench-close", title: "Close the review", "aria-label": "Close the review", onclick: closeReview }, "✕"),
-      el("input", { type: "text", id: "bench-label", maxlength: 120, "aria-label": "Label of the take", onchange: (e) => edit({ label: e.target.value.trim() }) }),
-      el("div", { class: "segmented small", id: "bench-keep", role: "group", "aria-label": "Verdict" },
-        el("button", { "data-keep": "true", onclick: () => edit({ keep: true }) }, "Keep"),
-        el("button", { "data-keep": "false", onclick: () => edit({ keep: false }) }, "Reject")),
-      el("em", { class: "score big", id: "bench-score", title: "Quality, from 0 to 100" }),
-      el("span", { class: "note", id: "bench-why" }),
-      el("div", { class: "bench-right" },
-        button("bench-undo", "↶", "Take the last edit back (Z)", () => step("undo")),
-        button("bench-redo", "↷", "Do it again (Y)", () => step("redo")),
-        el("select", { id: "bench-export", "aria-label": "Export the take", onchange: (e) => save(e.target) },
-          el("option", { value: "" }, "Export"), ...EXPORTS.map(([format, title]) => el("option", { value: format }, title))),
-        button("bench-split", "Split", "Two takes, cut here", split),
-        button("bench-bin", "Bin", "Throw the take into the bin", bin))),
-    el("div", { class: "bench-line" }, el("canvas", { id: "timeline", role: "img", "aria-label": "Both sides over time" })),
-    el("div", { class: "bench-bar" },
-      button("bench-play", "▶", "Play or pause (P)", play),
-      el("select", { id: "bench-speed", "aria-label": "Speed", onchange: (e) => seek({ speed: +e.target.value }) },
-        ...SPEEDS.map((s) => el("option", { value: s, selected: s === 1 }, `× ${s}`))),
-      button("bench-loop", "⟳", "Again and again (L)", loop),
-      el("output", { id: "bench-time" }),
-      el("div", { class: "legend2" }, el("i", { class: "h" }), "You", el("i", { class: "r" }), "Shown"),
-      el("div", { class: "align", id: "bench-align" }),
-      el("div", { class: "found", id: "bench-found" })),
-  ));
-  timeline = new Timeline($("#timeline"), { seek: (t) => seek({ t, playing: false }), trim: (range) => edit({ trim: range }) });
-}
-
-const seek = (body) => attempt(() => post("/api/seek", body));
-const now = () => app.state?.replay ?? { t: 0, playing: false, loop: false, speed: 1 };
-function play() { seek({ playing: !now().playing }); }
-function nudge(by) { seek({ t: Math.max(0, now().t + by / 30), playing: false }); }
-function loop() { seek({ loop: !now().loop, playing: true }); }
-function trimTo(end) {
-  const range = [...(info.trim ?? [0, info.seconds])];
-  range[end] = Math.round(1000 * now().t) / 1000;
-  if (range[0] < range[1]) edit({ trim: range });
-}
-const split = () => attempt(async () => {
-  const { takes } = await post(take("/split"), { at: now().t });
-  toast(`Split: ${takes[1].name} is the rest`, "good");
-  await reload();
-  changed();
-});
-const bin = () => attempt(async () => {
-  const gone = name;
-  await call("DELETE", take());
-  await closeReview();
-  const note = el("button", { onclick: () => attempt(async () => { await post(`/api/takes/${gone}/restore`); changed(); openReview(gone); }) }, "Bring it back");
-  toast(`${gone} is in the bin`, "good");
-  $("#toasts .toast:last-child")?.append(" ", note);
-  changed();
-});
-
-function save(select) {
-  el("a", { href: take(`/export?format=${select.value}`), download: "" }).click();
-  select.value = "";
-}
-
-const changed = () => document.dispatchEvent(new CustomEvent("takes-changed"));
-
-export const openReview = (which) => attempt(async () => {
-  if (!name) came = app.state?.mode === "replay" ? "live" : app.state?.mode ?? "live";
-  info = await get(`/api/takes/${which}`);
-  name = which;
-  found = null;
-  aligned = true;
-  document.body.dataset.work = "collect";
-  $("#bench").hidden = false;
-  $(".stage").classList.add("has-bench");
-  await post(take("/show"), { t: info.trim?.[0] ?? 0, playing: false, speed: 1, loop: false });
-  await reload(false);
-});
-
-export async function closeReview() {
-  name = null;
-  $("#bench").hidden = true;
-  $(".stage").classList.remove("has-bench");
-  await attempt(() => post("/api/mode", { mode: came }));
-  changed();
-}
-
-async function reload(show = true) {
-  const { t, playing, speed, loop: again } = now();
-  const which = name;
-  const [curves, review, raw] = await Promise.all([
-    get(take(`/timeline?points=500&aligned=${aligned}`)), get(take("/review")),
-    found || !aligned ? before : get(take("/timeline?points=500&aligned=false"))]);
-  if (which !== name) return;
-  found = review;
-  before = raw ?? curves;
-  info = await get(take());
-  if (show) await post(take("/show"), { t, playing, speed, loop: again, aligned });
-  timeline.load(curves, info, review.suggestions);
-  draw();
-  if (show) changed();
-}
-
-function draw() {
-  $("#bench-label").value = info.label || "";
-  $("#bench-label").placeholder = name;
-  press($("#bench-keep"), "keep", String(info.kept));
-  const score = Math.round(found.quality.score);
-  text($("#bench-score"), String(score));
-  $("#bench-score").style.setProperty("--s", score);
-  text($("#bench-why"), found.quality.reasons.map((r) => r.message).join(" · ") || "nothing to find fault with");
-  $("#bench-undo").disabled = !info.undoable;
-  $("#bench-redo").disabled = !info.redoable;
-  drawAlign();
-  const list = found.suggestions;
-  const clean = (body) => attempt(async () => { await post(take("/clean"), body); await reload(); });
-  $("#bench-found").replaceChildren(...(list.length ? [
-    el("button", { title: list.map((s) => `${s.start.toFixed(2)} s: ${s.message}`).join("\n"), onclick: () => clean({}) },
-      `Cut out ${list.length} flaw${list.length > 1 ? "s" : ""}`),
-    ...(list.length > 1 ? list.slice(0, FLAWS) : []).map((s, i) =>
-      el("button", { class: "one", title: `Cut out this one only: ${s.message}`, "aria-label": `Cut out at ${s.start.toFixed(2)} s: ${s.message}`, onclick: () => clean({ which: [i] }) },
-        `${s.start.toFixed(1)} s`))] : []));
-}
-
-function drawAlign() {
-  const { found: proposed, before: as } = found;
-  const box = $("#bench-align");
-  if (!proposed || !as) { box.replaceChildren(el("span", { class: "note" }, "nothing moves: no lag to find")); return; }
-  const off = Math.abs(proposed.lag - as.lag) > 0.5 / 30;
-  const numbers = `${as.correlation.toFixed(2)} → ${proposed.correlation.toFixed(2)}`;
-  const accept = (warp) => attempt(async () => {
-    const done = await post(take("/align"), { accept: true, warp });
-    await reload();
-    if (warp && !done.warped) toast("Evening out the tempo would not agree better: aligned by the lag alone", "good");
-  });
-  const compare = el("button", { "aria-pressed": !aligned, title: "Show it as it was recorded, or as it is aligned", onclick: () => { aligned = !aligned; attempt(() => reload()); } }, aligned ? "Before" : "After");
-  box.replaceChildren(...(off && info.lag !== 0 ? [
-    el("span", {}, `You are `, el("b", {}, `${(proposed.lag - as.lag).toFixed(2)} s`), ` late · agreement ${numbers}`),
-    el("button", { class: "main", id: "align-accept", onclick: () => accept(false) }, "Align"),
-    el("button", { title: "Also even out tempo", onclick: () => accept(true) }, "with warp"),
-    el("button", { title: "Leave it as it was acted", id: "align-refuse", onclick: () => attempt(async () => { await post(take("/align"), { accept: false }); await reload(); }) }, "Leave"),
-  ] : [
-    el("span", {}, info.lag ? `Aligned by ${info.lag.toFixed(2)} s${info.warped ? " and warped" : ""} · agrees ${as.correlation.toFixed(2)}` : info.lag === 0 ? "Left as acted" : `In time · agrees ${as.correlation.toFixed(2)}`),
-    info.lag ? compare : el("button", { onclick: () => accept(false) }, "Align"),
-    info.lag && !info.warped ? el("button", { id: "align-warp", title: "Also even out tempo", onclick: () => accept(true) }, "with warp") : "",
-  ]));
-}
-
-// Ten times a second, with the state.
-export function drawReview(state) {
-  if (!name) return;
-  const replay = state.replay;
-  if (!replay || replay.name !== name) {
-    if (state.mode !== "replay" && $("#bench").hidden === false && state.mode !== came) { name = null; $("#bench").hidden = true; $(".stage").classList.remove("has-bench"); }
-    return;
+  /** @param {Studio} studio */
+  constructor(studio) {
+    this.studio = studio;
+    this.#actions = this.#does();
+    $(".stage").append(benchOf(this.#actions));
+    this.#timeline = new Timeline($canvas("#timeline"), {
+      seek: (t) => this.#seek({ t, playing: false }),
+      trim: (range) => this.#edit({ trim: range }),
+    });
   }
-  text($("#bench-play"), replay.playing ? "❚❚" : "▶");
-  $("#bench-loop").setAttribute("aria-pressed", replay.loop);
-  if (document.activeElement !== $("#bench-speed")) $("#bench-speed").value = replay.speed;
-  text($("#bench-time"), `${replay.t.toFixed(2)} / ${info.seconds.toFixed(2)} s`);
-  timeline.at(replay.t, replay.playing ? replay.speed : 0);
-}
 
-export { capital };
+  /** Whether a take is on the bench. */
+  get on() {
+    return this.#take !== null;
+  }
+
+  /** What keys do; nothing without a take. @returns {Record<string, () => void>} */
+  get keys() {
+    const act = (/** @type {(take: Take) => void} */ what) => () => this.#take && what(this.#take);
+    const on = this.#actions;
+    return {
+      P: act(on.play),
+      ",": act(() => this.#nudge(-1)),
+      ".": act(() => this.#nudge(1)),
+      I: act((take) => this.#trimTo(take, 0)),
+      O: act((take) => this.#trimTo(take, 1)),
+      Z: act((take) => take.undoable && on.undo()),
+      Y: act((take) => take.redoable && on.redo()),
+      L: act(on.loop),
+    };
+  }
+
+  /** @returns {Actions} */
+  #does() {
+    const { api } = this.studio;
+    const name = () => ({ name: this.#take?.name ?? "" });
+    const then = (/** @type {() => Promise<unknown>} */ what) =>
+      attempt(async () => {
+        await what();
+        await this.#reload();
+      });
+    return {
+      close: () => this.close(),
+      label: (label) => this.#edit({ label }),
+      keep: (keep) => this.#edit({ keep }),
+      undo: () => then(() => api.post("/api/takes/{name}/undo", undefined, name())),
+      redo: () => then(() => api.post("/api/takes/{name}/redo", undefined, name())),
+      save: (format) =>
+        el("a", {
+          href: filled("/api/takes/{name}/export", { ...name(), format }),
+          download: "",
+        }).click(),
+      split: () =>
+        then(async () => {
+          const at = this.#now.t;
+          const { takes } = await api.post("/api/takes/{name}/split", { at }, name());
+          toast(`Split: ${takes[1].name} is the rest`, "good");
+        }),
+      bin: () => attempt(() => this.#bin()),
+      play: () => this.#seek({ playing: !this.#now.playing }),
+      speed: (speed) => this.#seek({ speed }),
+      loop: () => this.#seek({ loop: !this.#now.loop, playing: true }),
+      clean: (which) => then(() => api.post("/api/takes/{name}/clean", { which }, name())),
+      align: (warp) =>
+        then(async () => {
+          const body = { accept: true, warp };
+          const done = await api.post("/api/takes/{name}/align", body, name());
+          if (warp && !done.warped)
+            toast(
+              "Evening out the tempo would not agree better: aligned by the lag alone",
+              "good",
+            );
+        }),
+      leave: () =>
+        then(() => api.post("/api/takes/{name}/align", { accept: false, warp: false }, name())),
+      compare: () =>
+        then(async () => {
+          this.#aligned = !this.#aligned;
+        }),
+    };
+  }
+
+  get #now() {
+    return this.studio.state?.replay ?? STILL;
+  }
+
+  /** @param {Seek} body */
+  #seek(body) {
+    return attempt(() => this.studio.api.post("/api/seek", body));
+  }
+
+  /** @param {Edits} changes */
+  #edit(changes) {
+    return attempt(async () => {
+      await this.studio.api.patch("/api/takes/{name}", changes, { name: this.#take?.name ?? "" });
+      await this.#reload();
+    });
+  }
+
+  /** @param {number} frames */
+  #nudge(frames) {
+    this.#seek({ t: Math.max(0, this.#now.t + frames * FRAME), playing: false });
+  }
+
+  /** @param {Take} take @param {0 | 1} end */
+  #trimTo(take, end) {
+    const [start, stop] = take.trim ?? [0, take.seconds];
+    const now = Math.round(1000 * this.#now.t) / 1000;
+    /** @type {[number, number]} */
+    const trim = end === 0 ? [now, stop] : [start, now];
+    if (trim[0] < trim[1]) this.#edit({ trim });
+  }
+
+  async #bin() {
+    const { api } = this.studio;
+    const name = this.#take?.name ?? "";
+    await api.delete("/api/takes/{name}", { name });
+    await this.close();
+    const restore = async () => {
+      await api.post("/api/takes/{name}/restore", undefined, { name });
+      takesChanged();
+      this.open(name);
+    };
+    const back = el("button", { onclick: () => attempt(restore) }, "Bring it back");
+    toast(`${name} is in the bin`, "good", " ", back);
+  }
+
+  /** Put a take on the bench and show it. @param {string} name */
+  open = (name) =>
+    attempt(async () => {
+      const { api, state } = this.studio;
+      const take = await api.get("/api/takes/{name}", { name });
+      if (!this.on) this.#came = !state || state.mode === "replay" ? "live" : state.mode;
+      this.#take = take;
+      this.#aligned = true;
+      document.body.dataset.work = "collect";
+      this.#show(true);
+      const t = take.trim?.[0] ?? 0;
+      await api.post("/api/takes/{name}/show", { ...STILL, t, aligned: true }, { name });
+      await this.#reload(false);
+    });
+
+  /** Back to what was done before. */
+  async close() {
+    this.#show(false);
+    await attempt(() => this.studio.api.post("/api/mode", { mode: this.#came }));
+    takesChanged();
+  }
+
+  /** @param {boolean} on */
+  #show(on) {
+    if (!on) this.#take = null;
+    $("#bench").hidden = !on;
+    $(".stage").classList.toggle("has-bench", on);
+  }
+
+  /** Read the take on the bench anew. @param {boolean} [show] in the 3-D view, too */
+  async #reload(show = true) {
+    const { api } = this.studio;
+    const name = this.#take?.name;
+    if (name === undefined) return;
+    const { t, playing, speed, loop } = this.#now;
+    const aligned = this.#aligned;
+    const [curves, found] = await Promise.all([
+      api.get("/api/takes/{name}/timeline", { name, points: POINTS, aligned }),
+      api.get("/api/takes/{name}/review", { name }),
+    ]);
+    const take = await api.get("/api/takes/{name}", { name }); // with the score just given
+    if (name !== this.#take?.name) return;
+    this.#take = take;
+    if (show)
+      await api.post("/api/takes/{name}/show", { t, playing, speed, loop, aligned }, { name });
+    this.#timeline.load(curves, found);
+    drawBench(take, found, aligned, this.#actions);
+    if (show) takesChanged();
+  }
+
+  /** Ten times a second, with the state. @param {State} state */
+  draw({ mode, replay }) {
+    if (!this.#take) return;
+    if (replay?.name === this.#take.name) {
+      drawPlaying(replay, this.#take.seconds);
+      this.#timeline.at(replay.t, replay.playing ? replay.speed : 0);
+    } else if (mode !== "replay" && mode !== this.#came) {
+      this.#show(false); // somebody chose another mode
+    }
+  }
+}

@@ -1,90 +1,109 @@
 // Recording, and the list of takes.
 
-import { $, attempt, capital, el, search, text, toast } from "./ui.js";
-import { call, get, post } from "./net.js";
-import { openReview } from "./review.js";
+import { $, $input, attempt, el, icon, takesChanged, text, toast } from "./dom.js";
+import { capital, search } from "./words.js";
+
+/** @import { State, Take } from "../types/page.js" */
+/** @import { Studio } from "./studio.js" */
 
 const ROWS = 60;
-let recording = null, trouble = null, takes = [];
 
-export function startTakes(app) {
-  $("#record").addEventListener("click", () => attempt(async () => {
-    if (recording) {
-      const take = await post("/api/takes/stop");
+export class TakesPanel {
+  /** @type {Take[]} */
+  #takes = [];
+  #recording = false;
+  /** @type {string | null} */
+  #trouble = null;
+
+  /** @param {Studio} studio @param {(take: string) => void} openReview */
+  constructor(studio, openReview) {
+    this.studio = studio;
+    this.openReview = openReview;
+    $("#record").addEventListener("click", () => attempt(() => this.#record()));
+    $("#takes-find").addEventListener("input", () => this.#list());
+    document.addEventListener("takes-changed", () => this.#refresh());
+    this.#refresh();
+  }
+
+  async #record() {
+    const { api } = this.studio;
+    if (this.#recording) {
+      const take = await api.post("/api/takes/stop");
       toast(`Take ${take.name}: ${take.ticks} ticks`, "good");
     } else {
-      await post("/api/takes/start", { label: $("#label").value.trim() });
+      await api.post("/api/takes/start", { label: $input("#label").value.trim() });
     }
-    refresh();
-  }));
-  const seek = (body) => attempt(() => post("/api/seek", body));
-  $("#replay-play").addEventListener("click", () => seek({ playing: !app.state.replay?.playing }));
-  $("#replay-at").addEventListener("input", (event) => seek({ t: +event.target.value, playing: false }));
-  $("#replay-speed").addEventListener("change", (event) => seek({ speed: +event.target.value }));
-  $("#takes-find").addEventListener("input", list);
-  refresh();
-}
-
-// As it was: both figures and the person, from the tape.
-async function replay(name) {
-  await post("/api/source", { source: `take:${name}` });
-  await post("/api/mode", { mode: "replay" });
-}
-
-async function refresh() {
-  try {
-    const data = await get("/api/takes");
-    takes = (Array.isArray(data) ? data : data.takes) ?? [];
-  } catch { return; }
-  list();
-}
-
-function list() {
-  const { rows, line } = search(takes, $("#takes-find").value, ROWS);
-  $("#takes-find").hidden = !takes.length;
-  text($("#takes-shown"), line);
-  $("#takes-shown").hidden = !line;
-  if (!takes.length) {
-    $("#takes").replaceChildren(el("li", { class: "empty" }, "No takes yet. Recording keeps you and the robot together."));
-    return;
+    this.#refresh();
   }
-  $("#takes").replaceChildren(...rows.map((take) => el("li", {},
-    el("div", { class: "name", title: take.name }, el("b", {}, take.label || take.name),
-      el("span", {}, `${(take.seconds ?? 0).toFixed(1)} s · ${take.ticks ?? 0} ticks`)),
-    el("button", { title: "Let the recorded person drive the robot again", onclick: () =>
-      attempt(() => post("/api/source", { source: `take:${take.name}` })) }, "Drive"),
-    el("button", { title: "Scrub, trim, align, judge", onclick: () => openReview(take.name) }, "Review"),
-    el("button", { title: "Show the take again as it was", onclick: () => attempt(() => replay(take.name)) }, "Replay"),
-    el("button", { title: "Delete (to a bin)", "aria-label": `Delete ${take.name}`, onclick: () =>
-      attempt(async () => { await call("DELETE", `/api/takes/${take.name}`); refresh(); }) }, "✕"),
-  )));
-}
 
-function drawReplay(replaying) {
-  $("#replay").hidden = !replaying;
-  if (!replaying) return;
-  const at = $("#replay-at");
-  at.max = replaying.seconds;
-  if (document.activeElement !== at || replaying.playing) at.value = replaying.t;
-  text($("#replay-play"), replaying.playing ? "❚❚" : "▶");
-  text($("#replay-time"), `${replaying.t.toFixed(1)} / ${replaying.seconds.toFixed(1)} s`);
-  $("#replay-speed").value = String(replaying.speed);
-}
+  async #refresh() {
+    const takes = await this.studio.api.get("/api/takes").catch(() => null);
+    if (!takes) return;
+    this.#takes = takes;
+    this.#list();
+  }
 
-export function drawTakes(state) {
-  drawReplay(state.mode === "replay" ? state.replay : null);
-  const now = state.recording ?? null;
-  if (recording && !now) refresh();
-  recording = now;
-  const button = $("#record");
-  button.setAttribute("aria-pressed", Boolean(now));
-  text($("b", button), now ? "Stop" : "Record");
-  $("#chip-rec").hidden = !now;
-  if (now) text($("#chip-rec b"), `${((now.ticks ?? 0) / 30).toFixed(0)} s`);
-  text($("#record-now"), now ? now.name : "");
-  const error = state.recording_error ?? null;
-  if (error && error !== trouble) toast(capital(error));
-  trouble = error;
-  text($("#record-error"), capital(error ?? ""));
-  $("#record-error").hidden = !error;
+  #list() {
+    const { rows, line } = search(this.#takes, $input("#takes-find").value, ROWS);
+    const none = !this.#takes.length;
+    $("#takes-find").hidden = none;
+    text($("#takes-shown"), line);
+    $("#takes-shown").hidden = !line;
+    const empty = "No takes yet. Recording keeps you and the robot together.";
+    $("#takes").replaceChildren(
+      ...(none ? [el("li", { class: "empty" }, empty)] : rows.map((take) => this.#row(take))),
+    );
+  }
+
+  /** @param {Take} take */
+  #row({ name, label, seconds, ticks }) {
+    const { api } = this.studio;
+    const button = (
+      /** @type {string | Node} */ words,
+      /** @type {string} */ title,
+      /** @type {() => unknown} */ what,
+      /** @type {object} */ more = {},
+    ) => el("button", { title, onclick: () => attempt(what), ...more }, words);
+    const drive = () => api.post("/api/source", { source: `take:${name}` });
+    // As it was: both figures and the person, from the tape.
+    const replay = async () => {
+      await drive();
+      await api.post("/api/mode", { mode: "replay" });
+    };
+    const bin = async () => {
+      await api.delete("/api/takes/{name}", { name });
+      takesChanged();
+    };
+    return el(
+      "li",
+      {},
+      el(
+        "div",
+        { class: "name", title: name },
+        el("b", {}, label || name),
+        el("span", {}, `${seconds.toFixed(1)} s · ${ticks} ticks`),
+      ),
+      button("Drive", "Let the recorded person drive the robot again", drive),
+      button("Review", "Scrub, trim, align, judge", () => this.openReview(name)),
+      button("Replay", "Show the take again as it was", replay),
+      button(icon("bin"), "Delete (to a bin)", bin, { "aria-label": `Delete ${name}` }),
+    );
+  }
+
+  /** @param {State} state */
+  draw({ recording, recording_error }) {
+    if (this.#recording && !recording) this.#refresh();
+    this.#recording = recording !== null;
+    const button = $("#record");
+    button.setAttribute("aria-pressed", String(this.#recording));
+    text($("b", button), recording ? "Stop" : "Record");
+    $("#chip-rec").hidden = !recording;
+    if (recording) text($("#chip-rec b"), `${(recording.ticks / 30).toFixed(0)} s`);
+    text($("#record-now"), recording?.name ?? "");
+    const error = recording_error ? capital(recording_error) : "";
+    if (error && recording_error !== this.#trouble) toast(error);
+    this.#trouble = recording_error;
+    text($("#record-error"), error);
+    $("#record-error").hidden = !error;
+  }
 }

@@ -1,0 +1,176 @@
+"""Takes, what they cover, and what is trained on them, as the API answers it, for its schema."""
+
+from dataclasses import dataclass
+from typing import Any, Literal, NotRequired
+
+from typing_extensions import TypedDict
+
+from studio.reference.intent import StateName
+from studio.takes.align.alignment import Alignment
+from studio.takes.listing import TakeInfo
+from studio.web.answers import Style, TaskName
+
+
+class Task(TypedDict):
+    """What can be collected, and what the person is told."""
+
+    task: TaskName
+    state: StateName
+    prompt: str
+
+
+class Axis(TypedDict):
+    """edges (n + 1,) in `unit`; counts (n,) frames."""
+
+    name: str
+    unit: str
+    task: TaskName
+    edges: list[float]
+    counts: list[int]
+
+
+class Covered(TypedDict):
+    """A state's part of the map. share: of its bins that hold enough."""
+
+    seconds: float
+    share: float
+    axes: list[Axis]
+
+
+class Proposal(TypedDict):
+    """What to record next."""
+
+    task: TaskName
+    why: str
+
+
+class CoverageMap(TypedDict):
+    """enough: frames that fill a bin."""
+
+    enough: int
+    states: dict[str, Covered]
+    proposals: list[Proposal]
+
+
+class CollectSession(TypedDict):
+    """One operator's takes of one day."""
+
+    name: str
+    operator: str
+    day: str
+    notes: str
+    calibration: dict[str, Any] | None
+    takes: list[str]
+
+
+class Started(TypedDict):
+    """The take that records now."""
+
+    name: str
+
+
+class Stopped(Started):
+    """The take that ended. ticks: on its tape."""
+
+    ticks: int
+
+
+class Deleted(Started):
+    """The take in the bin."""
+
+    deleted: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class Aligned(TakeInfo):
+    """The take, and how well person and robot agreed; only where an alignment was accepted."""
+
+    before: Alignment | None = None
+    after: Alignment | None = None
+
+
+class Split(TypedDict):
+    """What was one take."""
+
+    takes: tuple[TakeInfo, TakeInfo]
+
+
+class Imported(TypedDict):
+    """takes: their names here. refused: {name: why}. rejected: frames left out."""
+
+    takes: list[str]
+    refused: dict[str, str]
+    rejected: int
+
+
+class Timeline(TypedDict):
+    """Curves over a take of `seconds` s: t (N,) s; human and robot (N, channels) in units of
+    what each channel usually shows; contact (N, 4)."""
+
+    t: list[float]
+    channels: list[str]
+    human: list[list[float | None]]
+    robot: list[list[float | None]]
+    state: list[str]
+    seconds: float
+    contact: list[list[float]]
+
+
+class Score(TypedDict):
+    """On held-out pairs."""
+
+    joint_rmse_deg: float
+
+
+class StateScores(TypedDict):
+    """A state's training: how much it learnt from, what was held out, and each method's score."""
+
+    event: Literal["scores"]
+    state: str
+    pairs: int
+    held_out_pairs: int
+    held_out: str
+    takes: list[str]
+    steps: int
+    seconds: float
+    scores: dict[str, Score]
+
+
+class StateProgress(TypedDict):
+    """curve: (step, loss) as learnt so far."""
+
+    curve: list[tuple[int, float]]
+    step: NotRequired[int]
+    steps: NotRequired[int]
+    result: NotRequired[StateScores]
+
+
+class Training(TypedDict):
+    """The last training. counts: pairs per state. seconds: since it began."""
+
+    name: str
+    status: Literal["running", "done", "failed", "cancelled"]
+    event: str
+    seconds: float
+    counts: dict[str, int]
+    states: dict[str, StateProgress]
+    why: str
+
+
+class DataSet(TypedDict):
+    """A data set version; its manifest says more."""
+
+    version: str
+    made: str
+    takes: list[Any]
+    count: int
+
+
+class TrainedMapper(TypedDict):
+    """A mapper trained here; its sidecar says more."""
+
+    name: str
+    made: str
+    style: Style
+    states: list[str]
+    takes: list[str]

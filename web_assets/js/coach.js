@@ -1,0 +1,208 @@
+// The coach over the view: what to act out, the count-down, each step's tick, and what then.
+
+import { $, $$, $input, attempt, el, setStyle, text } from "./dom.js";
+import { Metronome } from "./metronome.js";
+import { capital, spoken } from "./words.js";
+
+/** @import { Action, Collect } from "../types/page.js" */
+/** @import { Studio } from "./studio.js" */
+
+/** @typedef {Collect["phase"]} Phase */
+
+/** @type {Record<Phase, string>} */
+const PHASES = {
+  setup: "Make a plan to begin",
+  ready: "Ready when you are",
+  preview: "Watch first",
+  countdown: "Stand by",
+  record: "Act it out",
+  review: "How was it?",
+  done: "All done",
+};
+
+/** @type {{ action: Action, key: string, title: string, phases: Phase[], main?: boolean }[]} */
+const BUTTONS = [
+  { action: "go", key: "G", title: "Start", phases: ["ready"], main: true },
+  { action: "skip", key: "V", title: "I have seen it", phases: ["preview"], main: true },
+  { action: "keep", key: "K", title: "Keep", phases: ["review"], main: true },
+  { action: "redo", key: "B", title: "Redo", phases: ["review"] },
+  { action: "next", key: "N", title: "Next", phases: ["ready", "review"] },
+  { action: "abort", key: "M", title: "Abort", phases: ["preview", "countdown", "record"] },
+];
+
+/**
+ * What the coach says: the task, which take it is, and what to do.
+ *
+ * @param {Pick<Collect, "phase" | "done" | "total" | "kept"> &
+ *   Pick<Collect, "task" | "state" | "prompt">} collect
+ */
+export function coached({ phase, task, state, prompt, done, total, kept }) {
+  if (phase === "done")
+    return {
+      task: `${kept.length} takes kept`,
+      of: "",
+      prompt: "Review them below, or train a mapper of your own.",
+    };
+  const quiet = `${state === "sit" ? "Sit" : "Stand"} quietly until it moves.`;
+  const waits = phase === "countdown" || phase === "ready";
+  return {
+    task: task ? capital(spoken(task)) : "",
+    of: task ? `take ${Math.min(done + 1, total)} of ${total}` : "",
+    prompt:
+      phase === "setup"
+        ? "Choose tasks on the right, then Begin."
+        : waits
+          ? `${prompt}. ${quiet}`
+          : (prompt ?? ""),
+  };
+}
+
+/**
+ * How much of a phase has passed, from 0 to 1; null for one that waits for somebody.
+ *
+ * @param {Pick<Collect, "phase" | "t" | "remaining">} collect
+ */
+export function passed({ phase, t, remaining }) {
+  const timed =
+    ["preview", "record", "countdown"].includes(phase) ||
+    (phase === "review" && remaining !== null);
+  if (!timed) return null;
+  const whole = t + (remaining ?? 0);
+  return whole ? t / whole : 0;
+}
+
+export class Coach {
+  #metronome = new Metronome((foot) =>
+    $(`#coach .feet [data-foot="${foot}"]`).animate(
+      [
+        { transform: "scale(1.35)", background: "var(--human)", color: "#fff" },
+        { transform: "scale(1)" },
+      ],
+      260,
+    ),
+  );
+  /** The last whole second of a count-down that was sounded. */
+  #second = 0;
+
+  /** @param {Studio} studio @param {(take: string) => void} openReview */
+  constructor(studio, openReview) {
+    this.studio = studio;
+    const look = () => {
+      const take = studio.state?.collect.take;
+      if (take) openReview(take);
+    };
+    const button = (/** @type {(typeof BUTTONS)[number]} */ { action, key, title, main }) =>
+      el(
+        "button",
+        {
+          class: main ? "main" : "",
+          "data-action": action,
+          onclick: () => this.#act(action),
+        },
+        title,
+        el("kbd", {}, key),
+      );
+    $(".stage").append(
+      el(
+        "div",
+        { class: "coach", id: "coach", hidden: true, role: "status", "aria-live": "polite" },
+        el(
+          "div",
+          { class: "coach-top" },
+          el("span", { class: "phase" }),
+          el("b", { class: "task" }),
+          el("span", { class: "of" }),
+        ),
+        el("p", { class: "prompt" }),
+        el("div", { class: "meter" }, el("i")),
+        el(
+          "div",
+          { class: "feet", "aria-hidden": "true" },
+          el("i", { "data-foot": "0" }, "L"),
+          el("i", { "data-foot": "1" }, "R"),
+        ),
+        el("p", { class: "why" }),
+      ),
+      el("div", { class: "count", id: "count", hidden: true, "aria-hidden": "true" }),
+      el(
+        "div",
+        { class: "coach-actions", id: "coach-actions", hidden: true },
+        ...BUTTONS.map(button),
+        el("button", { id: "coach-review", onclick: look }, "Look at it"),
+      ),
+    );
+  }
+
+  /** @param {Action} action */
+  #act(action) {
+    return attempt(() => this.studio.api.post("/api/collect/action", { action }));
+  }
+
+  /** Browsers let a page sound only after somebody has touched it. */
+  unlock() {
+    this.#metronome.unlock();
+  }
+
+  /** Keys mean these only while collecting; the page's own keys stay what they are. */
+  get keys() {
+    return Object.fromEntries(
+      BUTTONS.map(({ action, key, phases }) => [
+        key,
+        () => {
+          const { collecting, state } = this.studio;
+          if (collecting && state && phases.includes(state.collect.phase)) this.#act(action);
+        },
+      ]),
+    );
+  }
+
+  /** @param {Collect} collect @param {boolean} on collecting @param {boolean} shown */
+  draw(collect, on, shown) {
+    const { phase, remaining, take, why } = collect;
+    $("#coach").hidden = $("#coach-actions").hidden = !shown;
+    $("#count").hidden = !(on && phase === "countdown");
+    if (!on) {
+      this.#metronome.stop();
+      return;
+    }
+    const coach = $("#coach");
+    const words = coached(collect);
+    coach.dataset.phase = phase;
+    text($(".phase", coach), PHASES[phase]);
+    text($(".task", coach), words.task);
+    text($(".of", coach), words.of);
+    text($(".prompt", coach), words.prompt);
+    const share = passed(collect);
+    setStyle($(".meter", coach), { visibility: share === null ? "hidden" : "visible" });
+    setStyle($(".meter i", coach), { transform: `scaleX(${(share ?? 0).toFixed(4)})` });
+    text($(".why", coach), why);
+    $(".why", coach).hidden = !why;
+    for (const button of $$("#coach-actions [data-action]"))
+      button.hidden = !BUTTONS.some(
+        ({ action, phases }) => action === button.dataset.action && phases.includes(phase),
+      );
+    $("#coach-review").hidden = !(phase === "review" && take);
+    this.#sound(collect);
+    if (phase === "countdown") this.#count(Math.ceil((remaining ?? 0) - 1e-6));
+  }
+
+  get #sounds() {
+    return $input("#collect-sound").checked;
+  }
+
+  /** @param {Collect} collect */
+  #sound({ phase, beats, t }) {
+    const beating = Boolean(beats?.length) && ["preview", "record"].includes(phase);
+    $("#coach .feet").hidden = !beating;
+    if (beats && beating) this.#metronome.follow(beats, t, this.#sounds);
+    else this.#metronome.stop();
+  }
+
+  /** @param {number} second */
+  #count(second) {
+    text($("#count"), String(Math.max(1, second)));
+    if (second === this.#second) return;
+    this.#second = second;
+    if (this.#sounds) this.#metronome.click(440, 0.05);
+  }
+}

@@ -1,0 +1,78 @@
+// The mappers trained here: which drives, another in its place, A/B and back.
+
+import { $, $button, attempt, el, text, toast } from "./dom.js";
+import { capital } from "./words.js";
+
+/** @import { State } from "../types/page.js" */
+/** @import { Studio } from "./studio.js" */
+
+export class MappersPanel {
+  /** What is drawn: names of the mapper in use and of the one before. */
+  #drawn = "";
+
+  /** @param {Studio} studio */
+  constructor(studio) {
+    this.studio = studio;
+    // Which mapper drives matters most while driving: its card is there in every mode.
+    const card = el(
+      "details",
+      { class: "card also", id: "mapper", open: true, hidden: true },
+      el("summary", {}, "Mapper", el("span", { class: "hint", id: "mapper-now" })),
+      el("div", { class: "ab", id: "ab" }),
+      el("ul", { class: "takes", id: "mappers" }),
+    );
+    $("#lock").closest(".card")?.after(card);
+    this.refresh();
+  }
+
+  /** Read the list anew. */
+  async refresh() {
+    const found = await this.studio.api.get("/api/mappers").catch(() => null);
+    if (!found) return;
+    this.#drawn = "";
+    $("#mapper").hidden = !found.length;
+    $("#mappers").replaceChildren(
+      ...found.reverse().map(({ name, made, states, takes, style }) => {
+        const about = `${states.join(", ")} · ${takes.length} takes · ${style}`;
+        return this.#row(name, name, about, made);
+      }),
+      this.#row("shipped", "Shipped", "trained on many synthetic people"),
+    );
+  }
+
+  /** @param {string} name @param {string} title @param {string} about @param {string} [made] */
+  #row(name, title, about, made) {
+    const use = async () => {
+      await this.studio.api.post("/api/mapper", { name });
+      toast(`${capital(name)} drives the robot now`, "good");
+    };
+    return el(
+      "li",
+      { "data-mapper": name },
+      el("div", { class: "name", title: made }, el("b", {}, title), el("span", {}, about)),
+      el("button", { onclick: () => attempt(use) }, "Use"),
+    );
+  }
+
+  /** @param {State} state */
+  draw({ mapper: { name, before } }) {
+    const now = `${name}/${before}`;
+    if (this.#drawn === now) return;
+    this.#drawn = now;
+    text($("#mapper-now"), name);
+    for (const row of $("#mappers").children) {
+      const used = /** @type {HTMLElement} */ (row).dataset.mapper === name;
+      row.classList.toggle("now", used);
+      const button = $button("button", row);
+      button.disabled = used;
+      text(button, used ? "In use" : "Use");
+    }
+    const swap = {
+      id: "ab-swap",
+      title: "Use the one before; press again to return",
+      onclick: () => attempt(() => this.studio.api.post("/api/mapper/back")),
+    };
+    const ab = [el("span", {}, "A/B"), el("button", swap, el("b", {}, name), ` ⇄ ${before}`)];
+    $("#ab").replaceChildren(...(before ? ab : []));
+  }
+}

@@ -1,0 +1,34 @@
+// The list of keys, in a dialog.
+
+import { $, el } from "./dom.js";
+import { DRIVE } from "./keys.js";
+
+const ROWS = [
+  ["Esc", "emergency stop, wherever the focus is"],
+  ["Space", "emergency stop, outside controls"],
+  ["R", "reset: stand up"],
+  ["Enter", "arm: follow again"],
+  ["1–4", "camera: front, side, behind, above"],
+  ["T", "dark or light"],
+  ["?", "this help"],
+  ["G V M", "collecting: start, end the preview, abort"],
+  ["K B N", "collecting: keep, redo, next"],
+  ["P , . L", "reviewing: play, a frame back or on, loop"],
+  ["I O Z Y", "reviewing: trim here, undo, redo"],
+  ...DRIVE.map(([key, what]) => [key, `keyboard driving: ${what}`]),
+];
+
+export class Shortcuts {
+  #dialog = /** @type {HTMLDialogElement} */ ($("#shortcuts"));
+
+  constructor() {
+    for (const [key, what] of ROWS) $("#keys").append(el("kbd", {}, key), el("span", {}, what));
+  }
+
+  /** Not modal: the stop button must stay within reach. */
+  show = () => this.#dialog.show();
+
+  close() {
+    if (this.#dialog.open) this.#dialog.close();
+  }
+}

@@ -1,0 +1,22 @@
+// What every panel shares: the API, the newest tick and state, and what the page is busy with.
+
+import { Api } from "./net.js";
+
+/** @import { State, Tick } from "../types/page.js" */
+
+export class Studio {
+  api = new Api();
+  /** @type {Tick | null} */
+  tick = null;
+  /** @type {State | null} */
+  state = null;
+  /** @type {"connecting" | "up" | "down"} */
+  link = "connecting";
+  /** ms on the page's clock when the newest tick came; 0 before the first. */
+  lastTick = 0;
+
+  /** Whether the robot shows what to act out. */
+  get collecting() {
+    return this.state?.mode === "collect";
+  }
+}

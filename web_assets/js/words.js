@@ -1,0 +1,40 @@
+// Words for what the studio names: pure functions, without a page.
+
+/** @import { Take } from "../types/page.js" */
+
+/** @param {string} words */
+export const capital = (words) => (words ? words[0].toUpperCase() + words.slice(1) : words);
+
+/** A name with underscores as people write it. @param {string} name */
+export const spoken = (name) => name.replaceAll("_", " ");
+
+/** @param {number} count @param {string} noun */
+export const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
+
+/** "bvh:/tmp/…/1a2b3c4d_march.bvh" is, to a person, "march.bvh". @param {string} spec */
+export const sourceName = (spec) =>
+  spec
+    .replace(/^(bvh|frames):.*[\\/]([0-9a-f]{8}_)?/, "")
+    .replace(/^operator:interactive$/, "keyboard")
+    .replace(/^(operator|take):/, "$1 · ");
+
+/**
+ * The newest takes in which every typed word occurs, at most `most`, and a line on how many.
+ *
+ * @template {Pick<Take, "name" | "label" | "note" | "source">} T
+ * @param {T[]} takes from the oldest to the newest
+ * @param {string} words
+ * @param {number} most
+ * @returns {{ rows: T[], line: string }}
+ */
+export function search(takes, words, most) {
+  const plain = (/** @type {string} */ said) => spoken(said.toLowerCase());
+  const wanted = plain(words).split(/\s+/).filter(Boolean);
+  const found = takes.filter((take) => {
+    const said = plain([take.name, take.label, take.note, take.source].join(" "));
+    return wanted.every((word) => said.includes(word));
+  });
+  const rows = found.slice(-most).reverse();
+  const all = wanted.length ? `${found.length} found among ${takes.length}` : takes.length;
+  return { rows, line: rows.length < takes.length ? `Showing ${rows.length} of ${all}` : "" };
+}

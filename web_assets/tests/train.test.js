@@ -1,0 +1,35 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { range } from "../js/loss.js";
+import { fitName, progress } from "../js/train.js";
+
+const JOB = { status: "running", why: "", name: "mine", states: {} };
+
+test("one line says how a training goes", () => {
+  assert.equal(progress(JOB), "reading takes …");
+  const states = {
+    stand: { curve: [], step: 30, steps: 60 },
+    walk: { curve: [], step: 0, steps: 60 },
+    sit: { curve: [] },
+  };
+  assert.equal(progress({ ...JOB, states }), "stand 50 % · walk 0 %");
+  assert.equal(progress({ ...JOB, status: "failed", why: "too few pairs" }), "Too few pairs");
+  assert.equal(progress({ ...JOB, status: "cancelled" }), "Cancelled");
+  assert.equal(progress({ ...JOB, status: "done" }), "Trained mine");
+});
+
+test("a mapper's name keeps only what a name may hold", () => {
+  assert.equal(fitName("  ada's 2nd, try "), "ada-s-2nd-try");
+  assert.equal(fitName(" "), "");
+});
+
+test("the loss's scale holds every curve, on powers of ten", () => {
+  const curve = [
+    [0, 0.1],
+    [10, 0.001],
+  ];
+  const { low, high } = range({ stand: { curve }, walk: { curve: [[0, 0]] } });
+  assert.ok(Math.abs(high - (-1 + 0.05)) < 1e-12);
+  assert.ok(Math.abs(low - (-6 - 0.05)) < 1e-12); // nothing is drawn below 1e-6
+});

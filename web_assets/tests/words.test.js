@@ -1,0 +1,46 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { capital, counted, search, sourceName, spoken } from "../js/words.js";
+
+const take = (name, label = "", note = null, source = "operator") => ({
+  name,
+  label,
+  note,
+  source,
+});
+
+test("words are written as people write them", () => {
+  assert.equal(capital("tilt"), "Tilt");
+  assert.equal(capital(""), "");
+  assert.equal(spoken("sit_manipulate_left"), "sit manipulate left");
+  assert.equal(counted(1, "flaw"), "1 flaw");
+  assert.equal(counted(2, "flaw"), "2 flaws");
+});
+
+test("a source is named as its user knows it", () => {
+  assert.equal(sourceName("bvh:/tmp/a1/1a2b3c4d_march.bvh"), "march.bvh");
+  assert.equal(sourceName("frames:clips/kinect.jsonl"), "kinect.jsonl");
+  assert.equal(sourceName("bvh:C:\\clips\\walk.bvh"), "walk.bvh");
+  assert.equal(sourceName("operator:interactive"), "keyboard");
+  assert.equal(sourceName("operator:tilt"), "operator · tilt");
+  assert.equal(sourceName("take:mine"), "take · mine");
+  assert.equal(sourceName("operator"), "operator");
+});
+
+test("takes are found by every word, in name, label, note or source, the newest first", () => {
+  const takes = [take("a", "tilt_left"), take("b", "tilt"), take("c", "", "Left side")];
+  const names = (words, most = 9) => search(takes, words, most).rows.map(({ name }) => name);
+  assert.deepEqual(names(""), ["c", "b", "a"]);
+  assert.deepEqual(names("LEFT"), ["c", "a"]);
+  assert.deepEqual(names("tilt left"), ["a"]);
+  assert.deepEqual(names("operator", 2), ["c", "b"]);
+  assert.deepEqual(names("nothing"), []);
+});
+
+test("a list that shows fewer takes than there are says so", () => {
+  const takes = [take("a"), take("b"), take("c")];
+  assert.equal(search(takes, "", 3).line, "");
+  assert.equal(search(takes, "", 2).line, "Showing 2 of 3");
+  assert.equal(search(takes, "b", 2).line, "Showing 1 of 1 found among 3");
+});

@@ -1,0 +1,89 @@
+// The page's words for the API's types, which api.d.ts holds as they were generated.
+
+import type { components, paths } from "./api.js";
+
+type Schemas = components["schemas"];
+export type State = Schemas["State"];
+export type StateMessage = Schemas["StateMessage"];
+export type Tick = Schemas["TickMessage"];
+export type Pose = Schemas["Pose"];
+export type Collect = Schemas["Collect"];
+export type Take = Schemas["TakeInfo"];
+export type Review = Schemas["Review"];
+export type Alignment = Schemas["Alignment"];
+export type Suggestion = Schemas["Suggestion"];
+export type Curves = Schemas["Timeline"];
+export type Task = Schemas["Task"];
+export type PlanItem = Schemas["PlanItem"];
+export type CoverageMap = Schemas["CoverageMap"];
+export type Axis = Schemas["Axis"];
+export type Training = Schemas["Training"];
+export type StateScores = Schemas["StateScores"];
+export type Imported = Schemas["Imported"];
+export type Edits = Schemas["EditBody"];
+export type Seek = Schemas["Seek"];
+export type Action = Schemas["CollectAction"]["action"];
+export type Gain = Schemas["SetGain"]["name"];
+
+type Method = "get" | "post" | "patch" | "delete";
+type Operation<P, M> = P extends keyof paths
+  ? M extends keyof paths[P]
+    ? NonNullable<paths[P][M]>
+    : never
+  : never;
+type Known<V> = [V] extends [never] ? unknown : V;
+type Part<T, K extends string> = T extends { [key in K]?: infer V }
+  ? Known<NonNullable<V>>
+  : unknown;
+
+/** Paths of the API that answer a method. */
+export type PathOf<M extends Method> = {
+  [P in keyof paths]: Operation<P, M> extends { responses: object } ? P : never;
+}[keyof paths];
+
+/** What a path answers with status 200. */
+export type Answer<P, M> =
+  Operation<P, M> extends { responses: { 200: { content: { "application/json": infer A } } } }
+    ? A
+    : never;
+
+/** The JSON a path takes. */
+export type Body<P, M> =
+  Part<Operation<P, M>, "requestBody"> extends { content: { "application/json": infer B } }
+    ? B
+    : Record<string, never>;
+
+/** What stands in a path's braces, and its query. */
+export type Values<P, M> = Part<Part<Operation<P, M>, "parameters">, "path"> &
+  Part<Part<Operation<P, M>, "parameters">, "query">;
+
+/** viser's own state, which it leaves in its window for tests: only what we use of it. */
+export interface Viser {
+  canvas: HTMLCanvasElement;
+  camera: { position: Vector };
+  cameraControl?: {
+    setLookAt(...eyeThenTargetThenGlide: [...number[], boolean]): void;
+  };
+  nodeRefFromName: Record<string, Node3D | undefined>;
+  scene: { traverse(visit: (thing: { isLight?: boolean; castShadow?: boolean }) => void): void };
+  requestRender(): void;
+}
+
+export interface Vector {
+  x: number;
+  y: number;
+  z: number;
+  clone(): Vector;
+  project(camera: unknown): Vector;
+}
+
+export interface Node3D {
+  position: Vector;
+  getWorldPosition(into: Vector): Vector;
+  localToWorld(point: Vector): Vector;
+}
+
+export interface ViewWindow extends Window {
+  __viserMutable?: Viser;
+  __viserTestpoints?: { devSettings: { set(settings: { fixedDpr: number }): void } };
+}
