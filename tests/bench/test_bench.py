@@ -114,7 +114,7 @@ def test_without_a_browser_the_loop_beside_one_is_skipped_and_says_so(monkeypatc
 @pytest.mark.browser
 def test_the_loop_keeps_ticking_beside_a_browser_that_draws_the_page(monkeypatch):
     monkeypatch.setattr(bench_live, "WARM_UP", 1.0)
-    figures = bench_live.loop_beside_browser(3.0)
+    figures = bench_live.loop_beside_browser(8.0)
     if "skipped" in figures:
         pytest.skip(figures["skipped"])
     assert figures["frames_drawn_per_second"] > 0.0
