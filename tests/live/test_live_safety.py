@@ -8,7 +8,9 @@ from studio.control.staleness import stale_command, stale_directive, why_still
 from studio.live.safety import OVERRUN_WINDOW, Safety
 
 
-def decided(safety, now=0.0, *, human_at="now", overrun=False, mode="live", **more):
+def decided(
+    safety, now=0.0, *, human_at: float | str | None = "now", overrun=False, mode="live", **more
+):
     """What `safety` decides; human_at: when somebody was last seen, None for never."""
     safety.seen_at = now if human_at == "now" else human_at
     for _ in range(OVERRUN_WINDOW):

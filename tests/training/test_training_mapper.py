@@ -80,13 +80,15 @@ def test_mirroring_pairs_twice_gives_them_back():
 def test_a_mapper_is_scored_by_the_studios_own_figures():
     pairs = make_pairs("sit", 6.0, 3)
     right = Mapped(
-        joint_pos=pairs.joint_pos, base_quat=pairs.base_quat, rates=pairs.rates,
-        contact_prob=pairs.contact,
-    )  # fmt: skip
+        joint_pos=np.asarray(pairs.joint_pos, dtype=np.float64),
+        base_quat=np.asarray(pairs.base_quat, dtype=np.float64),
+        rates=np.asarray(pairs.rates, dtype=np.float64),
+        contact_prob=np.asarray(pairs.contact, dtype=np.float64),
+    )
     turned = geometry.quat_mul(geometry.quat_from_rpy([0.0, 0.0, 0.3]), pairs.base_quat)
     none = replace(pairs, contact=np.zeros_like(pairs.contact))
     said = replace(right, base_quat=turned, contact_prob=none.contact)
-    figures = score(lambda _: said, none)
+    figures = score(lambda _: said, none)  # type: ignore[arg-type]
     assert figures["joint_rmse_deg"] == 0.0
     assert figures["orientation_error_deg"] == pytest.approx(0.0, abs=1e-4)  # heading is no tilt
     assert figures["contact_f1"] == 1.0  # nothing was in contact, nothing was said to be
