@@ -20,7 +20,7 @@ from studio.human.pose import HumanClip, HumanPose
 from studio.human.posture import SEEN
 from studio.human.sources import SKELETONS
 from studio.mocap.gate import FrameGate
-from studio.mocap.kinect import is_kinect, kinect_frames
+from studio.mocap.kinect import UNIT, is_kinect, kinect_frames
 from studio.mocap.raw_frame import MAX_BYTES, FrameRejected
 from studio.mocap.recorded import Recorded, settled
 from studio.mocap.report import Refused, report_on
@@ -68,12 +68,12 @@ def read_frames(path: str | Path) -> Recorded:
     path = Path(path)
     with open_regular(path, MAX_FILE) as file:
         try:
-            return _read(path, _found(file))
+            return _read(path, *_found(file))
         except OSError as error:
             raise StudioError(f"cannot read {path}: {error}; give human frames") from error
 
 
-def _read(path: Path, found: _Found) -> Recorded:
+def _read(path: Path, found: _Found, scale_m: float) -> Recorded:
     start = list(islice(found, _SNIFFED))
     unit, unit_name = _time_unit([raw for _, raw in start])
     gate = FrameGate(live=False, time_unit=unit)
@@ -100,7 +100,8 @@ def _read(path: Path, found: _Found) -> Recorded:
     notes = () if unit == 1.0 else (f"t is in {unit_name}: read as such",)
     seen = clip.confidence.max(axis=0) >= SEEN
     skeleton = gate.skeleton or SKELETONS["studio"]
-    return settled(clip, report_on(skeleton, seen=seen, refused=refused, notes=notes))
+    report = report_on(skeleton, seen=seen, scale_m=scale_m, refused=refused, notes=notes)
+    return settled(clip, report)
 
 
 def _time_unit(raws: Iterable[Any]) -> tuple[float, str]:
@@ -120,8 +121,11 @@ def _time_unit(raws: Iterable[Any]) -> tuple[float, str]:
     return next(fitting, _UNITS[0])
 
 
-def _found(file: BinaryIO) -> _Found:
-    """The frames in a file, whichever way it holds them: by lines unless the first is no frame."""
+def _found(file: BinaryIO) -> tuple[_Found, float]:
+    """The frames in a file, whichever way it holds them, and the metres in its unit.
+
+    By lines unless the first is no frame.
+    """
     if encoding_of(file.peek(4096)[:4096]).startswith("utf-16"):  # type: ignore[attr-defined]
         text = io.TextIOWrapper(file, "utf-16", errors="replace").read(MAX_DOCUMENT)
         file = io.BufferedReader(io.BytesIO(text.encode()))  # type: ignore[arg-type]
@@ -132,13 +136,12 @@ def _found(file: BinaryIO) -> _Found:
         first += file.read(MAX_DOCUMENT)
         document = None if file.peek(1) else _document(first)  # type: ignore[attr-defined]
         if document is not None:
-            yield from document
-            return
-    yield from _lines(chain(_split(io.BytesIO(first)), _split(file)))
+            return document
+    return _lines(chain(_split(io.BytesIO(first)), _split(file))), 1.0
 
 
-def _document(data: bytes) -> _Found | None:
-    """The frames of a JSON document; None where it is none."""
+def _document(data: bytes) -> tuple[_Found, float] | None:
+    """The frames of a JSON document, and the metres in its unit; None where it is none."""
     try:
         document = msgspec.json.decode(data, type=list[msgspec.Raw] | _Document)
     except _NO_JSON:
@@ -146,8 +149,8 @@ def _document(data: bytes) -> _Found | None:
     frames = document if isinstance(document, list) else document.frames
     if any(is_kinect(frame) for frame in frames[:_SNIFFED]):
         names = document.joint_names if isinstance(document, _Document) else None
-        return kinect_frames(frames, names)
-    return ((f"frame {k + 1}", bytes(frame)) for k, frame in enumerate(frames))
+        return kinect_frames(frames, names), UNIT
+    return ((f"frame {k + 1}", bytes(frame)) for k, frame in enumerate(frames)), 1.0
 
 
 def _split(file: BinaryIO) -> Iterator[bytes]:

@@ -14,6 +14,8 @@ from studio.errors import StudioError
 from studio.human.sources import SKELETONS
 
 SKELETON = SKELETONS["k4abt"]
+UNIT = 1e-3
+"""Metres in its unit."""
 
 
 class _Body(msgspec.Struct):
@@ -65,7 +67,7 @@ def kinect_frames(
 def _frame(timestamp_usec: float, body: _Body, order: Sequence[int]) -> dict[str, Any]:
     whole = len(body.joint_positions) == len(order)
     positions = [
-        [None if v is None else 1e-3 * v for v in body.joint_positions[k]] if whole else None
+        [None if v is None else UNIT * v for v in body.joint_positions[k]] if whole else None
         for k in (order if whole else range(len(body.joint_positions)))
     ]
     sure = body.joint_confidence

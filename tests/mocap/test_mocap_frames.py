@@ -160,7 +160,7 @@ def test_what_the_offline_processor_writes_is_read_in_metres_and_seconds(read, i
     assert np.diff(recorded.clip.t) == pytest.approx(np.full(COUNT - 1, 1 / 30), abs=1e-6)
     want = np.array([pose.joint_pos_w for pose in poses()])
     assert recorded.clip.joint_pos_w == pytest.approx(want, abs=1e-6)
-    assert recorded.report.up_axis == "-y"
+    assert (recorded.report.up_axis, recorded.report.scale_m) == ("-y", 0.001)
     assert recorded.report.joints_found["l_knee"] == ("knee_l",)
 
 
