@@ -160,6 +160,7 @@ def export_take(
 ) -> dict[str, Any]:
     """Write a take in another format: npz, csv, jsonl, bvh, mcap, pairs, lerobot, hdf5 or html.
 
+    `export NAME --format F`, or of many takes `--session NAME` or `--all` in NAME's place.
     Into the working folder by default. Into the same file (lerobot, hdf5) go: more: further takes;
     session: every take of a session; all: every take there is. Of a session and of all, takes that
     were rejected or hold nothing to export are left out, and named with why.

@@ -15,9 +15,11 @@ import zstandard
 from make_ticks import make_ticks
 
 from studio.errors import StudioError
+from studio.live.mappers import list_mappers, open_mapper
 from studio.mocap.take import TakeSource
 from studio.takes import commands
 from studio.takes.columns import columns
+from studio.takes.dataset import datasets
 from studio.takes.dataset.datamap import DataMap
 from studio.takes.edit import edited, edits, review
 from studio.takes.export import archive
@@ -300,6 +302,20 @@ def test_a_zip_that_claims_more_than_the_disk_has_is_refused_before_it_is_unpack
     with pytest.raises(StudioError, match="import fewer"):
         archive.unpack_takes(file, into, most=1 << 20)
     assert list(into.iterdir()) == []
+
+
+@pytest.mark.parametrize("sidecar", [DEEP, b"[]", b'{"made": 5}', b'{"style": ["march"]}', b"\xff"])
+def test_a_damaged_mapper_or_data_set_is_left_out_of_the_lists(sessions: Path, sidecar: bytes):
+    for folder, file in (("mappers", "mapper.json"), ("datasets", "manifest.json")):
+        (sessions / folder / "bad").mkdir(parents=True)
+        (sessions / folder / "bad" / file).write_bytes(sidecar)
+    assert list_mappers(sessions) == []
+    assert datasets.versions(sessions) == []
+    with pytest.raises(StudioError, match=r"mapper\.json"):
+        open_mapper(sessions, "bad", "march")
+    with pytest.raises(StudioError, match="cannot be read"):
+        datasets.load(sessions, "bad")
+    good_lives(sessions)
 
 
 @pytest.mark.parametrize("name", ["datasets", "mappers", "-h", "--json"])

@@ -20,7 +20,7 @@ from mcap.reader import make_reader
 from studio.errors import StudioError
 from studio.robot import a1
 from studio.takes import commands
-from studio.takes.dataset import datasets
+from studio.takes.dataset import pairs_file
 from studio.takes.dataset.pairs import take_pairs
 from studio.takes.edit import edited
 from studio.takes.export import formats as exports
@@ -51,7 +51,7 @@ def lasting(sessions: Path):
 def test_pairs_export_holds_the_pairs(sessions: Path, tmp_path: Path):
     file = Path(commands.export_take(sessions, "manipulate_left", "pairs", tmp_path)["file"])
     found, arrays = take_pairs(SessionLibrary(sessions), "manipulate_left"), None
-    arrays = datasets.read_table(file)
+    arrays = pairs_file.read_table(file)
     for key, value in found.values.items():
         np.testing.assert_array_equal(arrays[key], value)
     np.testing.assert_array_equal(arrays["tick"], found.tick)

@@ -1,5 +1,6 @@
 """Collecting, reviewing and training over HTTP, against a real server."""
 
+import shutil
 import time
 from dataclasses import replace
 
@@ -9,6 +10,7 @@ from acted_takes import acted_take, record
 
 from studio.takes.edit.edits import read_edits
 from studio.takes.export.adding import add_take
+from studio.takes.record.recorder import Recorder
 
 QUICK = {"task": "tilt", "takes": 1, "seconds": 2.0}
 
@@ -167,3 +169,26 @@ def test_a_training_can_be_cancelled(collecting):
     assert client.post("/api/train/cancel").json()["status"] == "cancelled"
     assert client.get("/api/train").json()["status"] == "cancelled"
     assert all(m["name"] != "never" for m in client.get("/api/mappers").json())
+
+
+def test_a_damaged_and_an_empty_take_are_told_of_and_hurt_nobody(studio_live, tmp_path):
+    recorder = Recorder(studio_live.sessions / "elsewhere")
+    recorder.start(name="empty")
+    recorder.close()
+    client = studio_live.client
+    for name, file, data in (("empty", "", b""), ("deep", "edits.jsonl", b"[" * 100_000)):
+        folder = studio_live.sessions / name
+        shutil.copytree(studio_live.sessions / "elsewhere" / "empty", folder)
+        if file:
+            (folder / file).write_bytes(data)
+    (studio_live.sessions / "deep" / "meta.json").write_bytes(b"[" * 100_000)
+    listed = {take["name"]: take for take in client.get("/api/takes").json()}
+    assert {"empty", "deep"} <= set(listed)
+    assert "no tick" in listed["deep"]["damaged"]
+    for name in ("empty", "deep"):
+        for path in ("timeline", "review", "export?format=lerobot", "export?format=html"):
+            answer = client.get(f"/api/takes/{name}/{path}")
+            assert answer.status_code == 422, (path, answer.text)
+            assert "no tick" in answer.text
+        assert client.delete(f"/api/takes/{name}").status_code == 200
+    assert client.get("/api/collect/map").status_code == 200

@@ -11,12 +11,12 @@ const SESSIONS = 3;
 const FIND = "Find a take";
 
 /** What a take's row says beside its name. @param {Take} take */
-export function about({ trim, seconds, lag, recovered }) {
+export function about({ trim, seconds, lag, recovered, damaged }) {
   const [start, end] = trim ?? [0, seconds];
   const said = [
     `${(end - start).toFixed(1)} s`,
     lag ? `lag ${lag.toFixed(2)} s` : "",
-    recovered ? "recovered" : "",
+    damaged ? `damaged: ${damaged}` : recovered ? "recovered" : "",
   ];
   return said.filter(Boolean).join(" · ");
 }

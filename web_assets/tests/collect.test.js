@@ -65,4 +65,6 @@ test("a take's row says how long it is after its trim, its lag, and that it was 
     about({ ...take, trim: [1, 3.5], lag: 0.25, recovered: true }),
     "2.5 s · lag 0.25 s · recovered",
   );
+  const damaged = "it ends early";
+  assert.equal(about({ ...take, recovered: true, damaged }), "9.0 s · damaged: it ends early");
 });

@@ -25,7 +25,9 @@ from studio import __version__
 from studio.errors import StudioError, unknown_name
 from studio.files import fingerprint, whole
 from studio.reference.intent import STATES
-from studio.takes.dataset.pairs import SHAPES, Pairs, settled, take_pairs, walked_in, why_none
+from studio.takes.dataset.manifest import read_manifest
+from studio.takes.dataset.pairs import Pairs, settled, take_pairs, walked_in, why_none
+from studio.takes.dataset.pairs_file import content_hash, read_table, schema, statistics, table_of
 from studio.takes.edit.edits import Edits
 from studio.takes.library import SessionLibrary
 from studio.takes.names import check_name
@@ -43,7 +45,6 @@ _CODE = (
 _EDITS = ("trim", "cuts", "lag", "warp", "keep", "label")
 _TAKE = ("name", "tape", "edits")
 _MADE_FROM = ("format_version", "code", "states", "style")
-_NAMES = ("take", "state", "tick")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,7 +113,7 @@ def load(root: Path, version: str) -> DataSet:
         raise StudioError(f"unknown data set version {version!r}; known: {known}")
     again = "delete its folder and build it again"
     try:
-        manifest = msgspec.json.decode((folder / MANIFEST).read_bytes())
+        manifest = read_manifest(folder / MANIFEST, FORMAT_VERSION)
         if manifest["format_version"] != FORMAT_VERSION:
             raise StudioError(
                 f"data set {version} has format {manifest['format_version']}, this studio reads"
@@ -122,7 +123,7 @@ def load(root: Path, version: str) -> DataSet:
             "takes": [{key: row[key] for key in _TAKE} for row in manifest["takes"]]
         }
         arrays = read_table(folder / TABLE)
-    except (OSError, KeyError, TypeError, ValueError, msgspec.MsgspecError, pa.ArrowException) as e:
+    except (OSError, KeyError, ValueError, pa.ArrowException) as e:
         raise StudioError(f"data set {version} cannot be read ({e}): {again}") from e
     if _version(made_from) != version:
         raise StudioError(f"the manifest of data set {version} was changed: {again}")
@@ -136,9 +137,9 @@ def versions(root: Path) -> list[dict[str, Any]]:
     found = []
     for path in (Path(root) / DATASETS).glob(f"*/{MANIFEST}"):
         try:
-            manifest = msgspec.json.decode(path.read_bytes())
-            found.append((str(manifest["made"]), manifest))
-        except (OSError, KeyError, TypeError, msgspec.MsgspecError):
+            manifest = read_manifest(path, FORMAT_VERSION)
+            found.append((manifest.get("made", ""), manifest))
+        except (OSError, ValueError):
             continue
     return [manifest for _, manifest in sorted(found, key=lambda row: row[0])]
 
@@ -224,60 +225,3 @@ def _why_none(library: SessionLibrary, names: list[str], states: list[str]) -> s
 def _about(found: Pairs, use: NDArray[np.bool_]) -> dict[str, Any]:
     counts = {s: int(np.sum(found.state[use] == i)) for i, s in enumerate(STATES)}
     return {"pairs": int(use.sum()), "by_state": counts, "lag": found.lag, "aligned": found.aligned}
-
-
-def schema() -> pa.Schema:
-    """Columns of pairs.parquet: take, state, tick, then fixed-size lists of float32."""
-    kinds = [("take", pa.int32()), ("state", pa.uint8()), ("tick", pa.int32())]
-    lists = [(name, pa.list_(pa.float32(), shape[0])) for name, shape in SHAPES.items()]
-    return pa.schema([*kinds, *lists])
-
-
-def table_of(found: Pairs, number: int, use: NDArray[np.bool_] | None = None) -> pa.Table:
-    """Rows of pairs.parquet of one take (`use`: which)."""
-    use = np.ones(len(found), dtype=bool) if use is None else use
-    cols: list[pa.Array] = [
-        pa.array(np.full(int(use.sum()), number, np.int32)),
-        pa.array(found.state[use]),
-        pa.array(found.tick[use]),
-    ]
-    for name, (size,) in SHAPES.items():
-        flat = pa.array(np.ascontiguousarray(found.values[name][use]).ravel())
-        cols.append(pa.FixedSizeListArray.from_arrays(flat, size))
-    return pa.Table.from_arrays(cols, schema=schema())
-
-
-def read_table(path: Path) -> dict[str, NDArray[Any]]:
-    """The arrays of a pairs.parquet."""
-    table = pq.read_table(path).combine_chunks()
-    out: dict[str, NDArray[Any]] = {name: table[name].to_numpy() for name in _NAMES}
-    for name, shape in SHAPES.items():
-        column = table[name].combine_chunks()
-        if isinstance(column, pa.ChunkedArray):
-            column = pa.concat_arrays(column.chunks or [pa.array([], column.type)])
-        out[name] = column.flatten().to_numpy(zero_copy_only=False).reshape(-1, *shape)
-    return out
-
-
-def content_hash(arrays: dict[str, NDArray[Any]]) -> str:
-    """A hash of the numbers, whatever the file's encoding."""
-    digest = hashlib.sha256()
-    for name in (*_NAMES, *SHAPES):
-        digest.update(name.encode())
-        digest.update(np.ascontiguousarray(arrays[name]).tobytes())
-    return digest.hexdigest()
-
-
-def statistics(arrays: dict[str, NDArray[Any]]) -> dict[str, Any]:
-    """Per state: count, and mean, std, min and max of every column of every array."""
-    out: dict[str, Any] = {}
-    for i, state in enumerate(STATES):
-        rows = arrays["state"] == i
-        if not rows.any():
-            continue
-        out[state] = {"count": int(rows.sum())}
-        for name in SHAPES:
-            x = arrays[name][rows].astype(np.float64)
-            kinds = {"mean": x.mean(0), "std": x.std(0), "min": x.min(0), "max": x.max(0)}
-            out[state][name] = {k: np.round(v, 6).tolist() for k, v in kinds.items()}
-    return out

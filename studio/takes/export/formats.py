@@ -45,21 +45,24 @@ def _single(suffix: str, write: Callable[[Take, Path], None], text: str) -> Form
 
 
 FORMATS: dict[str, Format] = {
-    "mcap": _single(".mcap", write_mcap, "MCAP 0: every stream, and figures for viewers"),
-    "jsonl": _single(".jsonl", write_frames, "the person, a frame a line: opens as frames:FILE"),
-    "npz": _single(".npz", write_npz, "everything, as numpy arrays"),
-    "csv": _single(".csv", write_csv, "the robot, a row a tick"),
-    "bvh": _single(".bvh", write_human_bvh, "the person, for animation programs"),
-    "pairs": _single(".parquet", write_pairs, "training pairs, as Parquet"),
+    "mcap": _single(".mcap", write_mcap, "MCAP 0: every stream, figures for viewers"),
+    "jsonl": _single(".jsonl", write_frames, "the person, as frames:FILE reads"),
+    "npz": _single(".npz", write_npz, "everything, as numpy arrays (NPZ 1.0)"),
+    "csv": _single(".csv", write_csv, "the robot, a row a tick (CSV, RFC 4180)"),
+    "bvh": _single(".bvh", write_human_bvh, "the person, at 30 Hz (BVH, Y up, cm)"),
+    "pairs": _single(".parquet", write_pairs, "training pairs (Parquet 2.6)"),
     "lerobot": Format(
         suffix=".lerobot",
         write=write_lerobot,
-        text="LeRobotDataset v3.0 layout, an episode a take",
+        text="LeRobotDataset v3.0, for learning",
         several=True,
         folder=True,
     ),
     "hdf5": Format(
-        suffix=".hdf5", write=write_hdf5, text="robomimic's layout, a demo a take", several=True
+        suffix=".hdf5",
+        write=write_hdf5,
+        text="robomimic 0.3's HDF5, for learning",
+        several=True,
     ),
     "html": _single(".html", write_html, "a replay in one file, for any browser"),
 }

@@ -9,8 +9,9 @@ from studio.errors import StudioError
 from studio.human.features import FEATURE_NAMES
 from studio.reference.intent import STATES
 from studio.robot import a1
-from studio.takes.dataset.datasets import code_version, table_of
+from studio.takes.dataset.datasets import code_version
 from studio.takes.dataset.pairs import take_pairs, why_none
+from studio.takes.dataset.pairs_file import table_of
 from studio.takes.library import SessionLibrary
 from studio.takes.take import Take
 

@@ -1,9 +1,10 @@
 """A tape is an MCAP file: JSON messages appended as they happen, whole again after a crash.
 
 While recording, messages are written unchunked and flushed one by one: a killed process loses
-none that was flushed. Afterwards the tape is rewritten in compressed, indexed chunks. Foxglove and
-rerun open both. Reading scans records from the front and stops at the first damage, so that a torn
-end costs only itself. Format: https://mcap.dev/spec
+none that was flushed. Afterwards the tape is rewritten in compressed, indexed chunks. Other
+readers of MCAP want the second; `takes repair` makes it of the first. Reading scans records from
+the front and stops at the first damage, so that a torn end costs only itself.
+Format: https://mcap.dev/spec
 """
 
 import io
