@@ -40,7 +40,7 @@ def test_the_future_and_the_curriculum_are_told_by_the_same_few_walks(
     for name in ("no_teacher", "full"):  # the same walks, so the same figures
         assert {**again[name], "variant": ""} == {**by[name], "variant": ""}
     assert again["no_curriculum"]["joint_rmse_deg"] != again["no_teacher"]["joint_rmse_deg"]
-    assert len(list((tmp_path / "rows").glob("*.npz"))) == 5
+    assert len(list((tmp_path / "rows").glob("*.npz"))) == 4
 
 
 def test_variants_that_are_not_trained_have_no_rows(tmp_path: Path) -> None:
