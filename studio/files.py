@@ -1,11 +1,15 @@
-"""What lies on disk: regular files, written whole or not at all, known by what they are made of."""
+"""What lies on disk: regular files, written whole or not at all, known by what they are made of;
+temporary folders that go with their process."""
 
+import fcntl
 import hashlib
 import io
 import os
 import shutil
 import stat
+import tempfile
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from glob import escape
@@ -17,6 +21,8 @@ from studio.errors import StudioError
 STUDIO = Path(__file__).resolve().parent
 BUFFER = 65_536
 """Bytes that can be looked at ahead (`peek`)."""
+_LOCK = ".lock"
+_YOUNG_S = 60.0  # a folder without a locked file may be one that is just being made
 
 
 @contextmanager
@@ -63,10 +69,58 @@ def _remove(scratch: Path) -> None:
         scratch.unlink(missing_ok=True)
 
 
+def sweep_writes(folder: Path) -> None:
+    """Remove what killed processes left of writing into a folder."""
+    for left in folder.glob(".*.tmp"):
+        if not _alive(left):
+            _remove(left)
+
+
 def write_whole(path: Path, data: bytes | str, *, parents: bool = False) -> None:
     """Replace a file by these bytes, or this text in UTF-8, whole or not at all. Raises OSError."""
     with whole(path, parents=parents) as scratch:
         scratch.write_bytes(data.encode() if isinstance(data, str) else data)
+
+
+@contextmanager
+def scratch_folder(prefix: str, parent: Path | None = None) -> Iterator[Path]:
+    """A new folder in `parent` (the system's own place by default), gone afterwards.
+
+    It holds a file that this process keeps locked; the system lets go of it when the process ends,
+    however it ends, and `sweep` then knows that the folder is nobody's.
+    """
+    folder = Path(tempfile.mkdtemp(prefix=prefix, dir=parent))
+    handle = os.open(folder / _LOCK, os.O_RDWR | os.O_CREAT, 0o600)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        yield folder
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+        os.close(handle)
+
+
+def sweep(prefix: str, parent: Path | None = None) -> list[str]:
+    """Remove the folders of processes that are no more; their names."""
+    gone = []
+    for folder in (parent or Path(tempfile.gettempdir())).glob(f"{prefix}*"):
+        if _abandoned(folder):
+            shutil.rmtree(folder, ignore_errors=True)
+            gone.append(folder.name)
+    return gone
+
+
+def _abandoned(folder: Path) -> bool:
+    try:
+        about = folder.lstat()
+        if not stat.S_ISDIR(about.st_mode) or about.st_uid != os.getuid():
+            return False
+        if not (folder / _LOCK).exists():
+            return time.time() - about.st_mtime > _YOUNG_S
+        with (folder / _LOCK).open("rb") as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        return True
+    except OSError:  # somebody holds it, or has just removed it
+        return False
 
 
 def fingerprint(*parts: str | Path) -> str:

@@ -61,12 +61,12 @@ class Served:
 
 
 @contextlib.contextmanager
-def served() -> Iterator[Served]:
-    """`a1-studio serve`, ended afterwards."""
+def served(*options: str) -> Iterator[Served]:
+    """`a1-studio serve` with some more options, ended afterwards."""
     port = _free_port()
     began = time.perf_counter()
     server = subprocess.Popen(
-        [sys.executable, "-m", "studio", "serve", "--port", str(port), "--token", TOKEN],
+        [sys.executable, "-m", "studio", "serve", "--port", str(port), "--token", TOKEN, *options],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -93,7 +93,12 @@ class Policy:
         try:
             tensors = load_file(path)
             manifest = json.loads(path.with_suffix(".json").read_text())
-            return cls(tensors, manifest)
+            policy = cls(tensors, manifest)
+            with np.errstate(all="ignore"):
+                said = policy.network(np.zeros((1, policy.observation.dim), dtype=np.float32))
+            if said.shape != (1, 12) or not np.isfinite(said).all():
+                raise ValueError("its answers are not finite, or of another shape")
+            return policy
         except FileNotFoundError as error:
             names = sorted(p.stem for p in MODELS.glob("*.safetensors")) or ["none yet"]
             raise StudioError(

@@ -1,6 +1,8 @@
 """Absolute deadlines at the control rate: late once does not mean late for ever."""
 
+import threading
 import time
+from collections.abc import Callable
 from typing import Protocol
 
 from studio.robot.a1 import CONTROL_DT
@@ -13,8 +15,8 @@ class Clock(Protocol):
         """Seconds, monotonic, arbitrary origin."""
         ...
 
-    def sleep_until(self, t: float) -> None:
-        """Return at time `t` or soon after; at once when it has passed."""
+    def sleep_until(self, t: float, wake: threading.Event | None = None) -> None:
+        """Return at time `t` or soon after; at once when it has passed, or when `wake` is set."""
         ...
 
 
@@ -25,13 +27,15 @@ class WallClock:
         """Seconds since an arbitrary origin."""
         return time.perf_counter()
 
-    def sleep_until(self, t: float) -> None:
+    def sleep_until(self, t: float, wake: threading.Event | None = None) -> None:
         """Sleep to `t`: coarsely first, then in small steps, as one long sleep wakes late."""
-        while True:
-            left = t - time.perf_counter()
-            if left <= 0.0:
+        while (left := t - time.perf_counter()) > 0.0:
+            if left <= 0.002:
+                time.sleep(min(left, 0.0002))
+            elif wake is None:
+                time.sleep(left - 0.001)
+            elif wake.wait(left - 0.001):
                 return
-            time.sleep(left - 0.001 if left > 0.002 else min(left, 0.0002))
 
 
 class FakeClock:
@@ -44,7 +48,7 @@ class FakeClock:
         """The time set so far."""
         return self.time
 
-    def sleep_until(self, t: float) -> None:
+    def sleep_until(self, t: float, wake: threading.Event | None = None) -> None:
         """Jump to `t`, never back."""
         self.time = max(self.time, t)
 
@@ -70,9 +74,12 @@ class Metronome:
         self.error = 0.0
         self.dropped = 0.0
 
-    def wait(self) -> float:
+    def wait(
+        self, wake: threading.Event | None = None, woken: Callable[[], object] = lambda: None
+    ) -> float:
         """Sleep to the next deadline; returns by how much it was missed, s.
 
+        Whenever `wake` is set meanwhile it is cleared, `woken` called, and the sleep goes on.
         Counts a period as late when its work ended after its deadline, and adds what is dropped,
         s, to `dropped`.
         """
@@ -83,6 +90,10 @@ class Metronome:
             if behind > self._slack * self._dt:
                 self._deadline += behind
                 self.dropped += behind
-        self._clock.sleep_until(self._deadline)
+        self._clock.sleep_until(self._deadline, wake)
+        while wake is not None and wake.is_set():
+            wake.clear()
+            woken()
+            self._clock.sleep_until(self._deadline, wake)
         self.error = self._clock.now() - self._deadline
         return self.error

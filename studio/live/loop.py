@@ -11,6 +11,7 @@ from typing import Any
 from studio.errors import StudioError
 from studio.live import commands as c
 from studio.live.clock import Clock, Metronome, WallClock
+from studio.live.faults import Faults
 from studio.live.mailbox import BoundedQueue, Latest
 from studio.live.session import Session, SessionConfig
 from studio.live.state import latches, state_dict
@@ -57,10 +58,12 @@ class LiveLoop:
         self._metronome = Metronome(self.clock)
         self._requests: BoundedQueue[_Request] = BoundedQueue()
         self._stops: BoundedQueue[_Request] = BoundedQueue(4096)  # a stop finds room always
+        self._stop_waits = threading.Event()
         self._refused = 0
         self.stops = 0
         """Stops answered so far, falls and faults among them: who sends a release says which of
         them were known by then."""
+        self.faults = Faults(log)
         self._state: dict[str, Any] = {}
         self._running = threading.Event()
         self._thread: threading.Thread | None = None
@@ -75,6 +78,7 @@ class LiveLoop:
     def submit(self, command: c.Command, timeout: float = 8.0, seen: int | None = None) -> c.Result:
         """Have a command applied; waits until after the tick that did, at most `timeout` s.
 
+        A stop is applied and answered between ticks as well; the next one damps the robot.
         What takes long (opening a source, reading a take) happens here, on the caller's thread.
         seen: `stops` when it was sent, now by default. What would release a stopped robot is
         refused where another stop came since: whatever was on its way, a stop that was answered
@@ -86,8 +90,7 @@ class LiveLoop:
         except StudioError as error:
             return c.Result(ok=False, why=str(error), state=self.state_dict())
         request = _Request(command=command, seen=seen, prepared=prepared)
-        queue = self._stops if isinstance(command, c.Stop) else self._requests
-        if not queue.put(request):
+        if not self._send(request):
             return c.Result(ok=False, why="too many commands wait: try again", state=self._state)
         if not request.done.wait(timeout):
             return c.Result(ok=False, why="the control loop did not answer", state=self._state)
@@ -95,8 +98,14 @@ class LiveLoop:
 
     def post(self, command: c.Command) -> bool:
         """Have a command applied at the next tick, without waiting; False when too many wait."""
-        queue = self._stops if isinstance(command, c.Stop) else self._requests
-        return queue.put(_Request(command=command, seen=self.stops))
+        return self._send(_Request(command=command, seen=self.stops))
+
+    def _send(self, request: _Request) -> bool:
+        if not isinstance(request.command, c.Stop):
+            return self._requests.put(request)
+        sent = self._stops.put(request)
+        self._stop_waits.set()
+        return sent
 
     def beat(self, page: str) -> None:
         """The page in control lives."""
@@ -134,6 +143,11 @@ class LiveLoop:
         self._thread = threading.Thread(target=self._run, name="control", daemon=True)
         self._thread.start()
 
+    @property
+    def alive(self) -> bool:
+        """The thread runs."""
+        return self._thread is not None and self._thread.is_alive()
+
     def stop(self) -> None:
         """End the thread, then the take and the source in good order. Idempotent."""
         self._running.clear()
@@ -156,9 +170,8 @@ class LiveLoop:
                 count += 1
                 self._collect(count)
                 self.wait()
-        except Exception:
-            log.exception("the control loop ended")
-            raise
+        except Exception as error:
+            self.faults.tell("the control loop ended", error)
         finally:
             gc.enable()
             gc.unfreeze()
@@ -168,7 +181,7 @@ class LiveLoop:
     def wait(self) -> None:
         """Wait for the next deadline, counting lateness."""
         late, dropped = self._metronome.late, self._metronome.dropped
-        error = self._metronome.wait()
+        error = self._metronome.wait(self._stop_waits, self._stop_now)
         if self._metronome.dropped > dropped:
             self.session.reading.slip(self._metronome.dropped - dropped)
         self.session.safety.period(late=self._metronome.late > late)
@@ -179,20 +192,34 @@ class LiveLoop:
         now = self.clock.now()
         # Stops last: nothing that was sent before or beside one may undo it.
         requests = self._requests.drain() + self._stops.drain()
-        for request in requests:
-            request.result = self._apply(request, now)
+        self._apply_all(requests, now)
         try:
             tick = self._with_loop_counters(self.session.step(now))
             self.ticks.publish(tick)
             self._state = state_dict(self.session, tick, now, self.period_error_ms)
-        except Exception:
-            log.exception("a control period failed; the robot is stopped")
-            safety = self.session.safety
-            self._state = {**self._state, **latches(safety), "why": safety.stop_line}
+        except Exception as error:
+            self.faults.tell("a control period failed; the robot is stopped", error)
+            if not self.session.safety.stopped:
+                self.session.safety.stop(f"a fault: {error}", "fault")
+            self._state = {**self._state, **latches(self.session.safety)}
+        self._answer(requests)
+
+    def _stop_now(self) -> None:
+        """A stop does not wait for the next period to be answered, only to be acted on."""
+        stops = self._stops.drain()
+        self._apply_all(stops, self.clock.now())
+        self._state = {**self._state, **latches(self.session.safety)}
+        self._answer(stops)
+
+    def _answer(self, requests: list[_Request]) -> None:
         self.stops = self.session.safety.stops
         for request in requests:
             request.result = replace(request.result, state=self._state)
             request.done.set()
+
+    def _apply_all(self, requests: list[_Request], now: float) -> None:
+        for request in requests:
+            request.result = self._apply(request, now)
 
     def _apply(self, request: _Request, now: float) -> c.Result:
         command = request.command

@@ -115,7 +115,6 @@ class Session:
         try:
             tick = self.puppeteer.step(human, command, shown)
         except Exception as error:
-            log.exception("control period failed")
             self.safety.stop(f"a fault: {error}", "fault")
             self.puppeteer.place("stand")
             raise

@@ -1,12 +1,12 @@
 """A motion file (BVH, or a recorded Kinect's frames) as the human side of a take."""
 
-import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from studio.errors import StudioError
+from studio.files import scratch_folder
 from studio.human.pose import HumanClip
 from studio.mocap.bvh import read_bvh
 from studio.mocap.frames import read_frames
@@ -105,8 +105,8 @@ def import_human(
     try:
         Path(sessions).mkdir(parents=True, exist_ok=True)
         # Beside the library, not in it: a studio may be recording there.
-        with tempfile.TemporaryDirectory(prefix=adding.SCRATCH, dir=sessions) as scratch:
-            recorder = Recorder(Path(scratch))
+        with scratch_folder(adding.SCRATCH, Path(sessions)) as scratch:
+            recorder = Recorder(scratch)
             try:
                 made = recorder.start(label, name=name, about=about)
                 for tick in _ticks(clip, beside):
@@ -115,7 +115,7 @@ def import_human(
                 recorder.close()
             free = name or adding.free_name(library.root, made)
             return {
-                "takes": [library.add(Path(scratch) / made, free)],
+                "takes": [library.add(scratch / made, free)],
                 "rejected": recorded.report.refused.frames,
                 "notes": list(recorded.report.notes),
             }

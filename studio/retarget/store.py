@@ -1,13 +1,17 @@
 """Where trained experts live on disk, and how they are read: models/mapper/<style>/."""
 
 import json
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
+import numpy as np
+from safetensors import SafetensorError
 from safetensors.numpy import load_file
 
 from studio.errors import StudioError, unknown_name
+from studio.human.features import FEATURE_DIM
 from studio.paths import carried
 from studio.retarget.mapper import Expert, Mapper
 from studio.retarget.selector import Prototypes
@@ -68,10 +72,10 @@ def read_experts(folder: Path, style: str, models: Path | None = None) -> Expert
     mappers: dict[str, Expert] = {
         name: SemanticWalk()
         if ruled(name, style)
-        else Mapper.from_tensors(_tensors(stems[name], style))
+        else _tried(stems[name], style, Mapper.from_tensors, _maps)
         for name in EXPERTS
     }
-    prototypes = Prototypes.from_tensors(_tensors(stems["selector"], style))
+    prototypes = _tried(stems["selector"], style, Prototypes.from_tensors, _selects)
     sidecars = {name: read_sidecar(path) for name, path in stems.items()}
     return Experts(style=style, mappers=mappers, prototypes=prototypes, sidecars=sidecars)
 
@@ -97,14 +101,59 @@ def stem(folder: Path, part: str, style: str, models: Path | None = None) -> Pat
 def read_sidecar(stem: Path) -> dict[str, Any]:
     """The JSON beside a weights file: data, seed, commit, held-out scores; {} if there is none."""
     path = stem.with_suffix(".json")
-    return json.loads(path.read_text()) if path.is_file() else {}
+    if not path.is_file():
+        return {}
+    try:
+        about = json.loads(path.read_text())
+        if not isinstance(about, dict):
+            raise TypeError("it is no object")
+        return about
+    except (OSError, ValueError, TypeError) as error:
+        raise _damaged(path, error) from error
 
 
-def _tensors(stem: Path, style: str) -> dict[str, Any]:
+Part = TypeVar("Part")
+
+
+def _tried(
+    stem: Path,
+    style: str,
+    make: Callable[[dict[str, Any]], Part],
+    fits: Callable[[Part], bool],
+) -> Part:
+    """A part read from its weights, which give finite answers of the right shape: else the robot
+    would be stopped by them later. StudioError names the file."""
     path = stem.with_suffix(".safetensors")
     if not path.is_file():
         raise StudioError(
             f"no trained {stem.name} for style {style!r} ({path.name} is missing): run "
             f"`a1-studio train mapper --style {style}`"
         )
-    return load_file(path)
+    try:
+        with np.errstate(all="ignore"):
+            part = make(load_file(path))
+            if not fits(part):
+                raise ValueError("its answers are not finite, or of another shape")
+    except (SafetensorError, OSError, LookupError, ValueError, TypeError, StudioError) as error:
+        raise _damaged(path, error) from error
+    return part
+
+
+def _maps(expert: Mapper) -> bool:
+    said = expert(np.zeros(3 * FEATURE_DIM))
+    values = (said.joint_pos, said.base_quat, said.rates, said.contact_prob)
+    shapes = [np.shape(value) for value in values]
+    return shapes == [(12,), (4,), (36,), (4,)] and all(np.isfinite(v).all() for v in values)
+
+
+def _selects(prototypes: Prototypes) -> bool:
+    point = prototypes.embed(np.zeros(3 * FEATURE_DIM))
+    labels, distances = prototypes.nearest(point, 1)
+    return len(labels) == 1 and bool(np.isfinite(distances).all()) and prototypes.p99 > 0.0
+
+
+def _damaged(path: Path, error: Exception) -> StudioError:
+    return StudioError(
+        f"{path.parent.name}/{path.name} cannot be used ({error}): train it again, or choose "
+        "another mapper"
+    )

@@ -6,40 +6,46 @@ that rebinds its name to 127.0.0.1 can send any header but these.
 """
 
 import hmac
-import json
+import ipaddress
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
-from http.cookies import CookieError, SimpleCookie
+from html import escape
 from urllib.parse import parse_qs, urlsplit
 
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from studio.errors import StudioError
+from studio.web.doors import Turns
+from studio.web.refusals import (
+    SIGN_IN_HEADERS,
+    refuse,
+    secured,
+    security_headers,
+    send_whole,
+)
 
 OPEN_PATHS = frozenset({"/api/health"})
+AT_ONCE = frozenset({"/api/stop"})
+"""What never waits for a turn."""
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
-
-PAGE_CSP = (
-    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
-    "font-src 'self'; connect-src 'self'; frame-src 'self'; media-src 'self' blob:; "
-    "worker-src 'self' blob:; form-action 'self'; base-uri 'none'; frame-ancestors 'self'"
-)
-# viser's client is one file: an inline loader that unpacks WebAssembly, styles and a module. It
-# gets no eval, so a message that carries JavaScript has nothing to run it with, and nowhere to
-# connect but here.
-VIEW_CSP = (
-    "default-src 'none'; script-src 'self' 'unsafe-inline' 'wasm-unsafe-eval' blob:; "
-    "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; font-src 'self' data:; "
-    "connect-src 'self' data: blob:; worker-src blob:; base-uri 'none'; form-action 'none'; "
-    "frame-ancestors 'self'"
-)
+EVERYWHERE = frozenset({"0.0.0.0", "::"})
+"""What to listen on for every network this machine is in."""
+_NAME = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
 
 @dataclass(frozen=True, kw_only=True)
 class AccessConfig:
-    """token: the secret of this run. host: what `--host` named. port: the public port."""
+    """token: the secret of this run. host: what `--host` named. port: the public port.
+
+    names: further hosts to answer to (`--allow-host`). secure: we speak TLS ourselves.
+    """
 
     token: str
     host: str
     port: int
+    names: tuple[str, ...] = ()
+    secure: bool = False
 
     @property
     def cookie(self) -> str:
@@ -49,8 +55,39 @@ class AccessConfig:
     @property
     def hosts(self) -> frozenset[str]:
         """Host names we answer to, without a port."""
-        own = f"[{self.host}]" if ":" in self.host else self.host
-        return LOOPBACK_HOSTS | {own.lower()}
+        return LOOPBACK_HOSTS | {bracketed(name).lower() for name in (self.host, *self.names)}
+
+    @property
+    def url(self) -> str:
+        """Where a user finds us: the first name that was allowed, or the address listened on."""
+        wild = self.host in EVERYWHERE
+        name = self.names[0] if self.names else "127.0.0.1" if wild else self.host
+        return f"http{'s' if self.secure else ''}://{bracketed(name)}:{self.port}/"
+
+
+def bracketed(host: str) -> str:
+    """A host as a URL has it: IPv6 addresses in brackets."""
+    return f"[{host}]" if ":" in host and not host.startswith("[") else host
+
+
+def checked_names(names: Iterable[str]) -> tuple[str, ...]:
+    """Names fit for a Host header; StudioError for a URL, a port, a wildcard."""
+    for name in names:
+        bare = name.removeprefix("[").removesuffix("]")
+        if not (_NAME.fullmatch(name) or (":" in bare and _is_address(bare))):
+            raise StudioError(
+                "--allow-host takes a bare name or address, such as studio.example.org or "
+                f"192.168.1.20, not {name!r}"
+            )
+    return tuple(names)
+
+
+def _is_address(text: str) -> bool:
+    try:
+        ipaddress.ip_address(text)
+    except ValueError:
+        return False
+    return True
 
 
 def split_host(value: str) -> tuple[str, int | None] | None:
@@ -94,13 +131,12 @@ def token_allowed(headers: dict[str, list[str]], config: AccessConfig) -> bool:
         scheme, _, token = value.partition(" ")
         if scheme.lower() == "bearer":
             offered.append(token.strip())
+    # Not by http.cookies, which refuses a whole header for one odd cookie of another program.
     for value in headers.get("cookie", []):
-        try:
-            morsel = SimpleCookie(value).get(config.cookie)
-        except CookieError:
-            continue
-        if morsel is not None:
-            offered.append(morsel.value)
+        for pair in value.split(";"):
+            name, _, said = pair.partition("=")
+            if name.strip() == config.cookie:
+                offered.append(said.strip())
     return any(_same(token, config.token) for token in offered)
 
 
@@ -111,8 +147,10 @@ def _same(a: str, b: str) -> bool:
 class AccessMiddleware:
     """Wraps the whole application; refuses before anything of it runs."""
 
-    def __init__(self, app: ASGIApp, config: AccessConfig) -> None:
-        self.app, self.config = app, config
+    def __init__(self, app: ASGIApp, config: AccessConfig, sign_in: str = "{why}") -> None:
+        """sign_in: a page with a form for the token, and {why} where it says what is wrong."""
+        self.app, self.config, self.sign_in = app, config, sign_in
+        self._turns, self._strangers = Turns(), Turns()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Check, then pass on; answers get the security headers on their way out."""
@@ -122,86 +160,70 @@ class AccessMiddleware:
         headers: dict[str, list[str]] = {}
         for name, value in scope["headers"]:
             headers.setdefault(name.decode("latin-1").lower(), []).append(value.decode("latin-1"))
-        hosts = headers.get("host", [])
         path = scope["path"]
-        if not host_allowed(hosts, self.config):
-            await _refuse(scope, send, 421, "this Host is not served here; use the printed URL")
-        elif not origin_allowed(headers.get("origin", []), hosts[0], self.config):
-            await _refuse(scope, send, 403, "this Origin may not speak to the studio")
-        elif path in OPEN_PATHS and scope["type"] == "http":
-            await self.app(scope, receive, _secured(send, path))
+        if refusal := self._refusal(scope, headers):
+            await self._turn_away(scope, send, headers, *refusal)
         elif (arrival := self._arrival(scope)) is not None:
-            await _send(send, *arrival)
-        elif not token_allowed(headers, self.config):
-            await _refuse(scope, send, 401, "the token is missing or wrong; open the printed URL")
+            await send_whole(send, *arrival)
+        elif path in AT_ONCE or scope["type"] == "websocket" or await self._turns.take():
+            await self.app(scope, receive, secured(send, path))
         else:
-            await self.app(scope, receive, _secured(send, path))
+            await refuse(scope, send, 429, "too many requests at once: try again in a while")
+
+    def _refusal(self, scope: Scope, headers: dict[str, list[str]]) -> tuple[int, str] | None:
+        """Status and why; None for who may come in."""
+        hosts = headers.get("host", [])
+        if not host_allowed(hosts, self.config):
+            return 421, "this Host is not served here; use the printed URL"
+        if not origin_allowed(headers.get("origin", []), hosts[0], self.config):
+            return 403, "this Origin may not speak to the studio"
+        open_to_all = scope["type"] == "http" and scope["path"] in OPEN_PATHS
+        if open_to_all or self._arrival(scope) or token_allowed(headers, self.config):
+            return None
+        return 401, "the token is missing or wrong; open the printed URL"
+
+    async def _turn_away(
+        self, scope: Scope, send: Send, headers: dict[str, list[str]], status: int, why: str
+    ) -> None:
+        await self._strangers.take()
+        if status == 401 and _is_browser(scope, headers):
+            await send_whole(send, *self._ask(scope))
+        else:
+            await refuse(scope, send, status, why)
 
     def _arrival(self, scope: Scope) -> tuple[int, list[tuple[bytes, bytes]], bytes] | None:
         """`GET /?token=…`: set the cookie and get the token out of the address bar."""
         if scope["type"] != "http" or scope["path"] != "/" or scope["method"] != "GET":
             return None
-        token = parse_qs(scope["query_string"].decode("latin-1")).get("token", [])
-        if len(token) != 1 or not _same(token[0], self.config.token):
+        token = _asked(scope)
+        if len(token) != 1 or not _same(token[0].strip(), self.config.token):
             return None
         cookie = f"{self.config.cookie}={self.config.token}; HttpOnly; SameSite=Strict; Path=/"
+        if scope.get("scheme") == "https":
+            cookie += "; Secure"
         headers = [(b"location", b"/"), (b"set-cookie", cookie.encode())]
-        return 303, [*headers, *_security_headers("/")], b""
+        return 303, [*headers, *security_headers("/")], b""
+
+    def _ask(self, scope: Scope) -> tuple[int, list[tuple[bytes, bytes]], bytes]:
+        """The page to sign in on, for a person who comes without the token."""
+        why = "That token is not the one of this studio." if _asked(scope) else ""
+        page = self.sign_in.replace("{why}", escape(why)).encode()
+        return 401, SIGN_IN_HEADERS, page
 
 
-def _security_headers(path: str) -> list[tuple[bytes, bytes]]:
-    csp = VIEW_CSP if path.startswith("/view/") else PAGE_CSP
-    return [
-        (b"content-security-policy", csp.encode()),
-        (b"x-content-type-options", b"nosniff"),
-        (b"referrer-policy", b"no-referrer"),
-        (b"cross-origin-opener-policy", b"same-origin"),
-        (b"cross-origin-resource-policy", b"same-origin"),
-        (b"cache-control", b"no-store"),
-    ]
+def _asked(scope: Scope) -> list[str]:
+    """Tokens in the query."""
+    return parse_qs(scope["query_string"].decode("latin-1")).get("token", [])
 
 
-def _secured(send: Send, path: str) -> Send:
-    async def wrapped(message: Message) -> None:
-        if message["type"] == "http.response.start":
-            present = {name.lower() for name, _ in message["headers"]}
-            extra = [h for h in _security_headers(path) if h[0] not in present]
-            message = {**message, "headers": [*message["headers"], *extra]}
-        await send(message)
-
-    return wrapped
-
-
-async def _refuse(scope: Scope, send: Send, status: int, why: str) -> None:
-    body = json.dumps({"error": why}).encode()
-    headers = [(b"content-type", b"application/json"), *_security_headers("/")]
-    if status == 401:
-        headers.append((b"www-authenticate", b"Bearer"))
-    if scope["type"] == "http":
-        await _send(send, status, headers, body)
-    elif "websocket.http.response" in scope.get("extensions", {}):
-        await _send(send, status, headers, body, prefix="websocket.http")
-    else:
-        await send({"type": "websocket.close", "code": 1008, "reason": why})
-
-
-async def _send(
-    send: Send,
-    status: int,
-    headers: Iterable[tuple[bytes, bytes]],
-    body: bytes,
-    prefix: str = "http",
-) -> None:
-    headers = [*headers, (b"content-length", str(len(body)).encode())]
-    await send({"type": f"{prefix}.response.start", "status": status, "headers": headers})
-    await send({"type": f"{prefix}.response.body", "body": body})
+def _is_browser(scope: Scope, headers: dict[str, list[str]]) -> bool:
+    """A person who opens the page, rather than a program or a part of the page."""
+    wants = any("text/html" in value for value in headers.get("accept", []))
+    return wants and scope["type"] == "http" and scope["path"] == "/" and scope["method"] == "GET"
 
 
 def page_url(config: AccessConfig) -> str:
     """The one URL a user opens."""
-    wild = config.host in ("0.0.0.0", "::")
-    host = "127.0.0.1" if wild else config.host
-    host = f"[{host}]" if ":" in host else host
-    url = f"http://{host}:{config.port}/?token={config.token}"
+    url = f"{config.url}?token={config.token}"
     assert urlsplit(url).port == config.port
     return url

@@ -10,11 +10,9 @@ from typing import Any
 
 from fastapi import APIRouter, Body, Depends, HTTPException, Request, Response
 from fastapi.exceptions import RequestValidationError
-from fastapi.responses import JSONResponse
 from fastapi.routing import APIRoute
 from pydantic import BaseModel, Field, create_model
 
-import studio
 from studio.errors import StudioError
 from studio.live.command import misfit
 from studio.live.commands import COMMANDS, CollectAction, Command, StartTake, StopTake
@@ -73,17 +71,10 @@ def commands_router(hub: Hub) -> APIRouter:
         except StudioError as error:
             raise refused(str(error), 404) from error
 
-    @router.get("/health", tags=["studio"])
-    async def health() -> Any:
-        """Open to all: whether the loop ticks, and the version."""
-        if hub.loop.ticks.get() is None:
-            return JSONResponse({"status": "starting", "version": studio.__version__}, 503)
-        return {"status": "ok", "version": studio.__version__}
-
     @router.get("/state", tags=["studio"], **answers(State))
-    async def state() -> dict[str, Any]:
+    async def state() -> Response:
         """What the studio is doing, and why nothing moves if nothing does."""
-        return hub.state()
+        return Response(hub.state_json(), media_type="application/json")
 
     for command in COMMANDS:
         if command.path:

@@ -1,12 +1,16 @@
 """Ticks for sockets: encoded once, however many listen; who reads slowly misses some."""
 
 import asyncio
+import logging
 import threading
 from collections.abc import AsyncIterator
 
+from studio.live.faults import Faults
 from studio.live.mailbox import Latest
 from studio.takes.tick import Tick
 from studio.web.encode import tick_json
+
+log = logging.getLogger(__name__)
 
 
 class Subscriber:
@@ -41,11 +45,23 @@ class TickFeed:
         self._subscribers: set[Subscriber] = set()
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self.faults = Faults(log)
 
-    def start(self, loop: asyncio.AbstractEventLoop) -> None:
+    def begin(self, loop: asyncio.AbstractEventLoop) -> None:
         """Begin; frames are handed over on `loop`."""
-        self._thread = threading.Thread(target=self._run, args=(loop,), name="feed", daemon=True)
+        self._loop = loop
+        self.start()
+
+    def start(self) -> None:
+        """Go on, on the event loop that `begin` was given."""
+        self._thread = threading.Thread(target=self._run, name="feed", daemon=True)
         self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """The thread runs, or was never begun."""
+        return self._thread is None or self._thread.is_alive() or self._stop.is_set()
 
     def stop(self) -> None:
         """End the thread."""
@@ -63,8 +79,9 @@ class TickFeed:
         """Listen no more."""
         self._subscribers.discard(subscriber)
 
-    def _run(self, loop: asyncio.AbstractEventLoop) -> None:
-        version = 0
+    def _run(self) -> None:
+        loop, version = self._loop, 0
+        assert loop is not None
         while not self._stop.is_set():
             new, tick = self._ticks.wait(version, timeout=0.25)
             if tick is None or new == version:
@@ -72,7 +89,13 @@ class TickFeed:
             version = new
             if self._subscribers:
                 try:
-                    loop.call_soon_threadsafe(self._offer, tick_json(tick))
+                    frame = tick_json(tick)
+                except Exception as error:
+                    # One tick lost; the next may be as it should.
+                    self.faults.tell("a tick could not be encoded", error)
+                    continue
+                try:
+                    loop.call_soon_threadsafe(self._offer, frame)
                 except RuntimeError:
                     return  # the event loop has closed
 

@@ -26,8 +26,8 @@ def safe_name(name: str) -> str:
     return f"{stem[:60] or 'motion'}{Path(name).suffix.lower()}"
 
 
-def files_router(hub: Hub, folder: Path) -> APIRouter:
-    """`folder`: where dropped files live while the studio runs."""
+def files_router(hub: Hub) -> APIRouter:
+    """`POST /api/files`; what is dropped is kept as long as the studio runs."""
     router = APIRouter(prefix="/api", tags=["studio"])
 
     @router.post("/files", **answers(State))
@@ -39,22 +39,19 @@ def files_router(hub: Hub, folder: Path) -> APIRouter:
         declared = request.headers.get("content-length", "")
         if declared.isdigit() and int(declared) > MAX_FILE:
             raise refused(_too_large(), 413)
+        folder = hub.scratch / "dropped"
+        folder.mkdir(exist_ok=True)
         path = folder / f"{secrets.token_hex(4)}_{safe_name(name)}"
-        size = 0
-        with path.open("wb") as file:
-            async for chunk in request.stream():
-                size += len(chunk)
-                if size > MAX_FILE:
-                    break
-                file.write(chunk)
         try:
-            if size > MAX_FILE:
-                raise refused(_too_large(), 413)
+            await _store(request, path)
             spec = f"{kind}:{path}"
             await asyncio.get_running_loop().run_in_executor(
-                hub.workers, check, spec, name, hub.sessions
+                hub.opening, check, spec, name, hub.sessions
             )
-            await hub.apply(SetSource(source=spec), request)
+            try:
+                await hub.apply(SetSource(source=spec), request)
+            except HTTPException as error:
+                raise refused(in_their_words(str(error.detail), path, name)) from error
         except Unmapped:
             raise  # the file stays, for the joint map that it needs
         except BaseException:
@@ -77,11 +74,26 @@ def check(spec: str, name: str, sessions: Path) -> None:
     try:
         open_source(spec, sessions=sessions).close()
     except StudioError as error:
-        path = Path(spec.partition(":")[2])
-        why = str(error).replace(str(path), name).replace(path.name, name)
+        why = in_their_words(str(error), Path(spec.partition(":")[2]), name)
         if isinstance(error, UnmappedJoints):
             raise Unmapped(why, spec) from error
         raise refused(why, 422) from error
+
+
+async def _store(request: Request, path: Path) -> None:
+    size = 0
+    with path.open("wb") as file:
+        async for chunk in request.stream():
+            size += len(chunk)
+            if size > MAX_FILE:
+                raise refused(_too_large(), 413)
+            file.write(chunk)
+
+
+def in_their_words(why: str, path: Path, name: str) -> str:
+    """The same with the name that the file had where it comes from."""
+    last = Path(name.replace("\\", "/")).name
+    return why.replace(str(path), last).replace(path.name, last).replace(path.stem, Path(last).stem)
 
 
 def _too_large() -> str:

@@ -9,6 +9,7 @@ from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import FileResponse, HTMLResponse, JSONResponse
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
@@ -20,6 +21,7 @@ from studio.web.answers import with_messages
 from studio.web.collect_api import collect_router
 from studio.web.commands_api import commands_router
 from studio.web.files_api import files_router
+from studio.web.health_api import health_router
 from studio.web.hub import Hub
 from studio.web.inner import InnerViser
 from studio.web.joint_map_api import joint_map_router
@@ -38,14 +40,14 @@ def assets_folder() -> Path:
     raise FileNotFoundError("web_assets/index.html is missing; install A1 Studio again")
 
 
-def create_api(hub: Hub, uploads: Path) -> FastAPI:
-    """The API alone. uploads: an existing folder for dropped files."""
+def create_api(hub: Hub) -> FastAPI:
+    """The API alone."""
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         import asyncio
 
-        hub.feed.start(asyncio.get_running_loop())
+        hub.feed.begin(asyncio.get_running_loop())
         yield
         hub.feed.stop()
         hub.close()
@@ -63,7 +65,8 @@ def create_api(hub: Hub, uploads: Path) -> FastAPI:
     app.include_router(review_router(hub))
     app.include_router(takes_router(hub))
     app.include_router(train_router(hub))
-    app.include_router(files_router(hub, uploads))
+    app.include_router(files_router(hub))
+    app.include_router(health_router(hub))
     app.include_router(joint_map_router(hub))
     app.include_router(sockets_router(hub))
     plain_schema = app.openapi
@@ -71,10 +74,10 @@ def create_api(hub: Hub, uploads: Path) -> FastAPI:
     return app
 
 
-def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
-    """The application, access checks outermost. uploads: an existing folder for dropped files."""
+def create_app(hub: Hub, inner: InnerViser | None) -> ASGIApp:
+    """The application, access checks outermost."""
     assets = assets_folder()
-    app = create_api(hub, uploads)
+    app = create_api(hub)
     if inner is not None:
         app.include_router(view_router(inner))
 
@@ -101,10 +104,16 @@ def create_app(hub: Hub, inner: InnerViser | None, uploads: Path) -> ASGIApp:
         said = said if isinstance(said, dict) else {"why": said, "error": said}
         return JSONResponse(said, error.status_code)
 
+    @app.exception_handler(ClientDisconnect)
+    async def left(_: Request, error: ClientDisconnect) -> JSONResponse:
+        """Nobody is there to read it."""
+        return JSONResponse({"why": "the sender left", "error": "the sender left"}, 400)
+
     @app.exception_handler(RequestValidationError)
     async def malformed(_: Request, error: RequestValidationError) -> JSONResponse:
         """A body that does not fit: which field, and what it should be."""
         said = misfit(error.errors(), 1)
         return JSONResponse({"why": said, "error": said}, 422)
 
-    return AccessMiddleware(app, hub.access)
+    sign_in = (assets / "sign_in.html").read_text("utf-8")
+    return AccessMiddleware(app, hub.access, sign_in)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
 from fastapi import HTTPException, Request
 
 from studio.control.trackers import CONTROLLERS
@@ -18,30 +19,40 @@ from studio.web.access import AccessConfig
 from studio.web.desk import ControlDesk
 from studio.web.encode import plain
 from studio.web.feed import TickFeed
+from studio.web.helper import Helper
+from studio.web.keeper import Keeper
 from studio.web.keyboard import intent_of
 
 log = logging.getLogger(__name__)
 ANSWER_TIMEOUT = 8.0
 """s to wait for the loop's answer: a reset may take 3, a file's source a few more."""
-TASK_NAMES = list(TASKS)
-CONTROLLER_NAMES = list(CONTROLLERS)
+NAMES = {"tasks": list(TASKS), "controllers": list(CONTROLLERS)}
+"""What a state is told with, for those who choose."""
 
 
 @dataclass(kw_only=True)
 class Hub:
-    """One running studio, as its routes see it. sessions: the folder of takes."""
+    """One running studio, as its routes see it. sessions: the folder of takes. scratch: for files
+    that do not outlive the process."""
 
     loop: LiveLoop
     access: AccessConfig
     desk: ControlDesk
     feed: TickFeed
+    keeper: Keeper
     sessions: Path
+    scratch: Path
 
     def __post_init__(self) -> None:
-        # A stop never queues behind other requests that wait for the loop.
-        self.stops = ThreadPoolExecutor(max_workers=2, thread_name_prefix="stop")
-        self.at_close: list[Callable[[], None]] = []
-        self.workers = ThreadPoolExecutor(max_workers=8, thread_name_prefix="gateway")
+        # A stop never queues behind other commands, nor a command behind work on files.
+        self.stops = ThreadPoolExecutor(max_workers=16, thread_name_prefix="stop")
+        self.commands = ThreadPoolExecutor(max_workers=4, thread_name_prefix="command")
+        self.workers = ThreadPoolExecutor(max_workers=4, thread_name_prefix="files")
+        # One at a time: a thread that reads a large file leaves Python to nobody for long.
+        self.opening = ThreadPoolExecutor(max_workers=1, thread_name_prefix="open")
+        self.helper = Helper()
+        self._encoded: tuple[Any, bytes] = (None, b"")
+        self.at_close: list[Callable[[], None]] = [self.helper.close]
 
     async def submit(self, command: Command, seen: int | None = None) -> Result:
         """Ask the loop from the event loop, which goes on meanwhile.
@@ -50,7 +61,8 @@ class Hub:
         """
         known = self.loop.stops  # now: later, in a pool, it may have become too late to ask
         seen = known if seen is None else min(seen, known)
-        pool = self.stops if isinstance(command, Stop) else self.workers
+        pool = self.opening if command.prepares else self.commands
+        pool = self.stops if isinstance(command, Stop) else pool
         event_loop = asyncio.get_running_loop()
         return await event_loop.run_in_executor(
             pool, self.loop.submit, command, ANSWER_TIMEOUT, seen
@@ -69,8 +81,18 @@ class Hub:
 
     def state(self) -> dict[str, Any]:
         """GET /api/state, with who holds control."""
-        more = {"control": self.desk.state(), "tasks": TASK_NAMES, "controllers": CONTROLLER_NAMES}
-        return plain({**self.loop.state_dict(), **more})
+        return {**self.loop.state_dict(), **NAMES, "control": self.desk.state()}
+
+    def state_json(self, **first: Any) -> bytes:
+        """The same in JSON, after the keys of `first`.
+
+        What the loop says is encoded once, however many pages look, ten times a second each.
+        """
+        state = self.loop.state_dict()
+        if state is not self._encoded[0]:
+            self._encoded = state, msgspec.json.encode(plain({**state, **NAMES}))
+        ours = msgspec.json.encode({**first, "control": self.desk.state()})
+        return self._encoded[1][:-1] + b"," + ours[1:]
 
     def drive(self, page: str, keys: frozenset[str]) -> None:
         """Keys held by the page in control become what the hand-driven operator means."""
@@ -82,8 +104,8 @@ class Hub:
         """Let no thread and no process linger."""
         for end in self.at_close:
             end()
-        self.stops.shutdown(wait=False, cancel_futures=True)
-        self.workers.shutdown(wait=False, cancel_futures=True)
+        for pool in (self.stops, self.commands, self.workers, self.opening):
+            pool.shutdown(wait=False, cancel_futures=True)
 
 
 def refused(why: str, status: int = 409) -> HTTPException:

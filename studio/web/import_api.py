@@ -4,8 +4,9 @@ Names from outside are made fit before they are part of any path.
 """
 
 import asyncio
+import secrets
 import shutil
-import tempfile
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -13,20 +14,17 @@ from fastapi import APIRouter, Request
 from starlette.datastructures import FormData, UploadFile
 
 from studio.errors import StudioError
-from studio.mocap.imports import SUFFIXES, import_take
-from studio.takes.export import adding
 from studio.takes.export.archive import FILES
 from studio.takes.names import fit_name
-from studio.takes.record.recorder import TAPE
 from studio.web.answers import answers
 from studio.web.answers_takes import Imported
+from studio.web.file_work import KINDS, take_in
 from studio.web.hub import Hub, refused
 
 MAX_BODY = 2 * 2**30
 """Bytes of one request: ten hours of tape."""
-KINDS = (
-    f"send a take (its {TAPE}, with meta.json), a .zip of takes, a .bvh or human frames (.jsonl)"
-)
+SMALL = 256 * 1024
+"""Bytes that are taken in sooner than a process is begun: 20 s of BVH."""
 BODY = {
     "requestBody": {
         "required": True,
@@ -65,38 +63,31 @@ def import_router(hub: Hub) -> APIRouter:
         if "multipart/form-data" not in request.headers.get("content-type", ""):
             raise refused(f"{KINDS}, as multipart/form-data", 415)
         async with request.form(max_files=len(FILES), max_fields=4) as form:
-            return await asyncio.get_running_loop().run_in_executor(
-                hub.workers, take_in, hub.sessions, form
-            )
+            return await _take_in(hub, form)
 
     return router
 
 
-def take_in(sessions: Path, form: FormData) -> dict[str, Any]:
+async def _take_in(hub: Hub, form: FormData) -> dict[str, Any]:
     """Import the files of a form; 422 with why, where none of them became a take."""
     files = [f for f in form.getlist("files") if isinstance(f, UploadFile) and f.filename]
     name, robot = (str(form.get(key) or "").strip() or None for key in ("name", "robot"))
+    folder = hub.scratch / "imports" / secrets.token_hex(4) / fit_name(name or "take")
     try:
-        with tempfile.TemporaryDirectory(prefix="a1-import-") as scratch:
-            folder = Path(scratch) / fit_name(name or "take")
-            folder.mkdir()
-            stored = [_store(f.file, folder / _file_name(f.filename or "")) for f in files]
-            return {"rejected": 0, "refused": {}} | _imported(sessions, stored, robot)
+        folder.mkdir(parents=True)
+        stored = [folder / _file_name(f.filename or "") for f in files]
+        here = partial(asyncio.get_running_loop().run_in_executor, hub.workers)
+        for file, path in zip(files, stored):
+            await here(_store, file.file, path)
+        if sum(path.stat().st_size for path in stored) < SMALL:
+            return await here(take_in, hub.sessions, stored, robot)
+        return await hub.helper.do(take_in, hub.sessions, stored, robot)
     except StudioError as error:
         raise refused(str(error), 422) from error
     except OSError as error:
         raise refused(f"nothing was imported: {error.strerror or error}", 507) from error
-
-
-def _imported(sessions: Path, stored: list[Path], robot: str | None) -> dict[str, Any]:
-    if any(file.name == TAPE for file in stored):
-        taken, why = adding.add_all(sessions, [stored[0].parent])
-        if not taken:
-            raise StudioError("; ".join(why.values()))
-        return {"takes": taken}
-    if len(stored) == 1 and stored[0].suffix.lower() in (".zip", *SUFFIXES):
-        return import_take(sessions, stored[0], robot=robot)
-    raise StudioError(KINDS)
+    finally:
+        shutil.rmtree(folder.parent, ignore_errors=True)
 
 
 def _file_name(sent: str) -> str:
@@ -108,8 +99,7 @@ def _file_name(sent: str) -> str:
     return f"{fit_name(stem or suffix, 'motion')}{dot}{fit_name(suffix, 'x') if dot else ''}"
 
 
-def _store(source: BinaryIO, path: Path) -> Path:
+def _store(source: BinaryIO, path: Path) -> None:
     source.seek(0)
     with path.open("wb") as out:
         shutil.copyfileobj(source, out, 1 << 20)
-    return path

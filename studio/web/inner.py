@@ -50,7 +50,7 @@ class InnerViser:
     def request_allowed(self, headers: Headers) -> bool:
         """Only our relay: its secret, our Host, and no Origin (every browser sends one)."""
         return (
-            hmac.compare_digest(headers.get(SECRET_HEADER, ""), self.secret)
+            hmac.compare_digest(_bytes(headers.get(SECRET_HEADER, "")), _bytes(self.secret))
             and headers.get_all("Host") == [f"127.0.0.1:{self.port}"]
             and "Origin" not in headers
         )
@@ -80,6 +80,11 @@ class InnerViser:
         """Close every connection and the port."""
         with _quiet():
             self.server.stop()
+
+
+def _bytes(text: str) -> bytes:
+    """Of a header, whatever was sent: digests of text are compared in ASCII only."""
+    return text.encode("utf-8", "surrogatepass")
 
 
 def client_message_allowed(raw: bytes) -> bool:

@@ -11,6 +11,7 @@ from studio.web.desk import ControlDesk
 from studio.web.feed import TickFeed
 from studio.web.gateway import create_api
 from studio.web.hub import Hub
+from studio.web.keeper import Keeper
 
 
 def openapi() -> dict[str, Any]:
@@ -22,9 +23,11 @@ def openapi() -> dict[str, Any]:
             access=AccessConfig(token="none", host="127.0.0.1", port=0),
             desk=ControlDesk(loop.post, loop.beat, loop.silent),
             feed=TickFeed(loop.ticks),
+            keeper=Keeper(loop, {}),
             sessions=Path(folder),
+            scratch=Path(folder),
         )
         try:
-            return create_api(hub, Path(folder)).openapi()
+            return create_api(hub).openapi()
         finally:
             hub.close()

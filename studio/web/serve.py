@@ -4,34 +4,50 @@ import contextlib
 import errno
 import logging
 import os
-import secrets
 import signal
 import socket
+import ssl
 import sys
-import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import uvicorn
+from starlette.types import ASGIApp
 
 from studio.control.command import PuppeteerConfig
 from studio.errors import StudioError
+from studio.files import scratch_folder, sweep, sweep_writes
 from studio.live.loop import LiveLoop
+from studio.live.mappers import FOLDER as MAPPERS
 from studio.live.session import SessionConfig
 from studio.options import ServeConfig
-from studio.web.access import AccessConfig, page_url
+from studio.takes.export import adding
+from studio.web.access import EVERYWHERE, LOOPBACK_HOSTS, AccessConfig, checked_names, page_url
 from studio.web.desk import ControlDesk
+from studio.web.doors import FairSocket, TimelyHttp, room_for_connections
 from studio.web.feed import TickFeed
 from studio.web.gateway import create_app
 from studio.web.hub import Hub
 from studio.web.inner import InnerViser
+from studio.web.keeper import Keeper
 from studio.web.scene import StudioScene
+from studio.web.tokens import checked_token, kept_token
 from studio.web.view import View
 
 log = logging.getLogger(__name__)
-MAX_SOCKET_MESSAGE = 8 * 1024 * 1024
+MAX_SOCKET_MESSAGE = 2 * 1024 * 1024
 """Bytes: frames of up to 1 MB must be answered, not closed on."""
+NO_NEWS = (
+    "without completing handshake",
+    "Invalid HTTP request received",
+    "Unsupported upgrade request",
+    "No supported WebSocket library",
+    "Invalid UTF-8 sequence received",
+)
+SCRATCH = "a1-studio-"
+"""Beginning of a studio's temporary folder."""
 
 
 def bind(host: str, port: int) -> socket.socket:
@@ -57,19 +73,6 @@ def bind(host: str, port: int) -> socket.socket:
     return listener
 
 
-def checked_token(token: str | None) -> str:
-    """A token fit for a URL and a cookie; a new one if none was given."""
-    if token is None:
-        return secrets.token_urlsafe(24)
-    if not 1 <= len(token) <= 200 or not all(
-        c.isascii() and (c.isalnum() or c in "-_.~") for c in token
-    ):
-        raise StudioError("--token needs 1 to 200 letters, digits, or any of -_.~")
-    if len(token) < 8:
-        log.warning("the token is short enough to be guessed: leave --token out for a safe one")
-    return token
-
-
 def serve(config: ServeConfig, announce: Callable[[str], None] | None = None) -> None:
     """Run until SIGINT or SIGTERM. announce: given the URL once the page can be opened.
 
@@ -87,57 +90,112 @@ def serve(config: ServeConfig, announce: Callable[[str], None] | None = None) ->
 @contextlib.contextmanager
 def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket, str]]:
     """Everything that serving needs, started; stopped in good order at the end."""
+    names, tls = checked_names(config.allow_host), checked_tls(config)
+    sessions = Path(config.sessions)
+    sweep(SCRATCH)
+    sweep(adding.SCRATCH, sessions)
+    sweep_writes(sessions / MAPPERS)
     with contextlib.ExitStack() as stack:
         listener = stack.enter_context(contextlib.closing(bind(config.host, config.port)))
         access = AccessConfig(
-            token=checked_token(config.token),
+            token=kept_token(sessions) if config.token is None else checked_token(config.token),
             host=config.host,
             port=listener.getsockname()[1],
+            names=names,
+            secure=bool(tls),
         )
         session = SessionConfig(
             source=config.source,
-            sessions=Path(config.sessions),
+            sessions=sessions,
             puppeteer=PuppeteerConfig(
                 style=config.style, controller=config.controller, seed=config.seed
             ),
         )
-        uploads = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="a1-studio-")))
+        scratch = stack.enter_context(scratch_folder(SCRATCH))
         loop = LiveLoop(session)
         inner = InnerViser()
         stack.callback(inner.stop)
-        view = View(StudioScene(inner.server), loop.ticks)
+        view, feed = View(StudioScene(inner.server), loop.ticks), TickFeed(loop.ticks)
         stack.callback(view.stop)
+        keeper = Keeper(loop, {"view": view, "feed": feed})
         hub = Hub(
             loop=loop,
             access=access,
             desk=ControlDesk(loop.post, loop.beat, loop.silent),
-            feed=TickFeed(loop.ticks),
-            sessions=Path(config.sessions),
+            feed=feed,
+            keeper=keeper,
+            sessions=sessions,
+            scratch=scratch,
         )
-        app = create_app(hub, inner, uploads)
-        server = uvicorn.Server(
-            uvicorn.Config(
-                app,
-                log_level="warning",
-                access_log=False,
-                ws="websockets-sansio",
-                ws_max_size=MAX_SOCKET_MESSAGE,
-                ws_per_message_deflate=False,
-                ws_ping_interval=20.0,
-                server_header=False,
-                timeout_graceful_shutdown=2,
-            )
-        )
+        server = uvicorn.Server(_uvicorn(create_app(hub, inner), tls))
         logging.getLogger("uvicorn.error").addFilter(_is_news)
         loop.start()
         stack.callback(loop.stop)
         view.start()
+        keeper.start()
+        stack.callback(keeper.stop)
+        if config.host not in LOOPBACK_HOSTS:
+            log.warning("%s", exposure(access))
         yield server, listener, page_url(access)
 
 
+def _uvicorn(app: ASGIApp, tls: dict[str, Any]) -> uvicorn.Config:
+    TimelyHttp.most = room_for_connections()
+    return uvicorn.Config(
+        app,
+        log_level="warning",
+        access_log=False,
+        # These, and no other that may be installed: `doors` builds on them.
+        loop="asyncio",
+        http=TimelyHttp,
+        ws=FairSocket,
+        ws_max_size=MAX_SOCKET_MESSAGE,
+        ws_per_message_deflate=False,
+        ws_ping_interval=20.0,
+        server_header=False,
+        timeout_graceful_shutdown=2,
+        **tls,
+    )
+
+
+def checked_tls(config: ServeConfig) -> dict[str, Any]:
+    """uvicorn's options for --cert and --key; StudioError if they cannot be used."""
+    if config.cert is None and config.key is None:
+        return {}
+    if config.cert is None or config.key is None:
+        raise StudioError("--cert and --key go together: give both, or neither")
+    try:
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        context.load_cert_chain(config.cert, config.key, password=lambda: "")
+    except (OSError, ValueError) as error:  # ssl.SSLError is an OSError
+        why = error.strerror or str(error)
+        raise StudioError(
+            f"--cert {config.cert} and --key {config.key} cannot be used ({why}): give a "
+            "certificate and its key in PEM, the key without a password"
+        ) from error
+    return {"ssl_certfile": str(config.cert), "ssl_keyfile": str(config.key)}
+
+
+def exposure(access: AccessConfig) -> str:
+    """What listening beyond this machine means, and what others need."""
+    where = "every network of this machine" if access.host in EVERYWHERE else access.host
+    how = (
+        "encrypted"
+        if access.secure
+        else "NOT encrypted (--cert, --key): token, takes and camera can be read on the way"
+    )
+    names = ", ".join(sorted(access.hosts - LOOPBACK_HOSTS - EVERYWHERE)) or "nothing"
+    return (
+        f"listening on {where}; {how}. Whoever has the token drives the robot, and reads, changes "
+        f"and deletes takes. Answering to {names} (add names with --allow-host)"
+    )
+
+
 def _is_news(record: logging.LogRecord) -> bool:
-    """Not a WebSocket refused with a status of our own, which uvicorn takes for an accident."""
-    return "without completing handshake" not in record.getMessage()
+    """Not what a stranger can have written as often as they like, nor a WebSocket refused with a
+    status of our own, which uvicorn takes for an accident."""
+    said = record.getMessage()
+    return not any(known in said for known in NO_NEWS)
 
 
 def stop_on_signals(server: uvicorn.Server) -> None:

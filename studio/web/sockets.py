@@ -16,6 +16,8 @@ from studio.web.hub import Hub
 log = logging.getLogger(__name__)
 STATE_HZ = 10.0
 MAX_KEYS = 16
+MAX_MESSAGE = 4096
+"""Bytes of a page's message: what is larger is not read."""
 GONE = (WebSocketDisconnect, RuntimeError)
 """What sending to, or reading from, a closed socket raises."""
 
@@ -67,7 +69,8 @@ def sockets_router(hub: Hub) -> APIRouter:
                 message = await ws.receive()
                 if message["type"] == "websocket.disconnect":
                     return
-                answer = await page_message(hub, page.name, message.get("text") or "")
+                said = message.get("text") or message.get("bytes") or b""
+                answer = await page_message(hub, page.name, said)
                 if answer is not None:
                     await ws.send_json(answer)
         except GONE:
@@ -88,14 +91,27 @@ def take_frame(hub: Hub, raw: str | bytes) -> str:
     return ""
 
 
-async def page_message(hub: Hub, page: str, text: str) -> dict[str, Any] | None:
-    """Act on one message of a page; an answer, or None. Nonsense is answered, never fatal."""
+async def page_message(hub: Hub, page: str, said: str | bytes) -> dict[str, Any] | None:
+    """Act on one message of a page; an answer, or None. Nonsense is answered, never fatal.
+
+    A stop is acknowledged with the `number` it came with and `stops`, how many there were by then;
+    its sender has to be alarmed where that fails to come.
+    """
+    if len(said) > MAX_MESSAGE:
+        return {"type": "error", "error": f"a message has at most {MAX_MESSAGE} bytes"}
     try:
-        message = json.loads(text)
+        message = json.loads(said)
         kind = message["type"]
         if kind == "stop":
+            number = message.get("number")
             result = await hub.submit(Stop(by=page))
-            return {"type": "stopped", "ok": result.ok, "why": result.why}
+            return {
+                "type": "stopped",
+                "number": number if isinstance(number, int) else None,
+                "stops": result.state.get("stops"),
+                "ok": result.ok,
+                "why": result.why,
+            }
         if kind == "beat":
             keys = frozenset(str(k)[:16] for k in list(message.get("keys", []))[:MAX_KEYS])
             hub.desk.beat(
@@ -114,7 +130,7 @@ async def page_message(hub: Hub, page: str, text: str) -> dict[str, Any] | None:
 async def _send_state(ws: WebSocket, hub: Hub, page: str) -> None:
     with contextlib.suppress(*GONE):
         while True:
-            await ws.send_json({"type": "state", "page": page, **hub.state()})
+            await ws.send_text(hub.state_json(type="state", page=page).decode())
             await asyncio.sleep(1.0 / STATE_HZ)
 
 

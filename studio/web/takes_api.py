@@ -1,9 +1,9 @@
 """Takes over HTTP: list, edit, undo, export, throw into the bin."""
 
 import asyncio
-import tempfile
+import secrets
+import shutil
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar
 
 import msgspec
@@ -95,12 +95,14 @@ def takes_router(hub: Hub) -> APIRouter:
     async def export(name: str, format: str = "npz") -> FileResponse:
         """A file: jsonl, bvh (the person), npz, csv (both), pairs, hdf5, lerobot (zip), html."""
         take = await off_thread(library.read, name)
-        place = tempfile.TemporaryDirectory(prefix="a1-export-")
+        place = hub.scratch / "exports" / secrets.token_hex(4)
+        place.mkdir(parents=True)
         try:
-            path = await off_thread(export_take, take, format, Path(place.name), status=422)
+            path = await off_thread(export_take, take, format, place, status=422)
         except BaseException:
-            place.cleanup()
+            shutil.rmtree(place, ignore_errors=True)
             raise
-        return FileResponse(path, filename=path.name, background=BackgroundTask(place.cleanup))
+        thrown_away = BackgroundTask(shutil.rmtree, place, ignore_errors=True)
+        return FileResponse(path, filename=path.name, background=thrown_away)
 
     return router

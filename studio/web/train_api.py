@@ -41,7 +41,7 @@ class TrainBody(BaseModel):
 def train_router(hub: Hub) -> APIRouter:
     """`/api/train` and `/api/mappers`."""
     router = APIRouter(prefix="/api", tags=["train"])
-    jobs = TrainJobs(hub.sessions)
+    jobs = TrainJobs(hub.sessions, hub.scratch)
     hub.at_close.append(jobs.close)
     library = SessionLibrary(hub.sessions)
 

@@ -5,7 +5,6 @@ import os
 import secrets
 import subprocess
 import sys
-import tempfile
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from studio.errors import StudioError
+from studio.training import leash
 
 MOST_POINTS = 300
 """Points of a loss curve sent to a page; longer ones are thinned."""
@@ -37,6 +37,11 @@ class Job:
         if self.cancelled:
             return "cancelled"
         return "done" if code == 0 else "failed"
+
+    def let_go(self) -> None:
+        """Of the process, which has ended."""
+        if self.process.stdin is not None:
+            self.process.stdin.close()
 
     def as_dict(self) -> dict[str, Any]:
         """Progress for a page: per state the step, the loss curve, and in the end the scores."""
@@ -82,10 +87,10 @@ def read_events(file: Path) -> list[dict[str, Any]]:
 class TrainJobs:
     """At most one training at a time, and how the last one went. Any thread."""
 
-    def __init__(self, sessions: Path) -> None:
-        self.sessions = Path(sessions)
+    def __init__(self, sessions: Path, scratch: Path) -> None:
+        """scratch: a folder for progress files."""
+        self.sessions, self._scratch = Path(sessions), scratch
         self._lock = threading.Lock()
-        self._folder = tempfile.TemporaryDirectory(prefix="a1-train-")
         self.job: Job | None = None
 
     def start(self, name: str, options: Sequence[str]) -> Job:
@@ -93,7 +98,9 @@ class TrainJobs:
         with self._lock:
             if self.job is not None and self.job.status == "running":
                 raise StudioError(f"mapper {self.job.name} is being trained: cancel it, or wait")
-            stem = Path(self._folder.name) / secrets.token_hex(4)
+            if self.job is not None:
+                self.job.let_go()
+            stem = self._scratch / f"train-{secrets.token_hex(4)}"
             progress, errors = stem.with_suffix(".jsonl"), stem.with_suffix(".err")
             command = [
                 sys.executable, "-m", "studio", "train", "mapper", *options, "--name", name,
@@ -104,8 +111,9 @@ class TrainJobs:
                     command,
                     stdout=subprocess.DEVNULL,
                     stderr=file,
-                    stdin=subprocess.DEVNULL,
-                    env={**os.environ, "OMP_NUM_THREADS": "1"},
+                    # Held open by us alone: closed by the system when we end, even by kill −9.
+                    stdin=subprocess.PIPE,
+                    env={**os.environ, "OMP_NUM_THREADS": "1", leash.VARIABLE: "1"},
                     # The loop comes first: training takes what is left.
                     preexec_fn=lambda: os.nice(10),
                 )
@@ -128,6 +136,7 @@ class TrainJobs:
 
     def close(self) -> None:
         """Let no process linger; idempotent."""
-        if self.job is not None and self.job.status == "running":
-            self.cancel()
-        self._folder.cleanup()
+        if self.job is not None:
+            if self.job.status == "running":
+                self.cancel()
+            self.job.let_go()

@@ -8,6 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
+from studio.live.faults import Faults
 from studio.live.mailbox import Latest
 from studio.takes.tick import Tick
 
@@ -29,18 +30,25 @@ class View:
     def __init__(self, scene: Shows, ticks: Latest[Tick]) -> None:
         self._scene, self._ticks = scene, ticks
         self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="view", daemon=True)
+        self._thread: threading.Thread | None = None
+        self.faults = Faults(log)
         self._costs_ms: deque[float] = deque(maxlen=300)
         self.frames = 0
 
     def start(self) -> None:
         """Begin to draw."""
+        self._thread = threading.Thread(target=self._run, name="view", daemon=True)
         self._thread.start()
+
+    @property
+    def alive(self) -> bool:
+        """The thread runs."""
+        return self._thread is not None and self._thread.is_alive()
 
     def stop(self) -> None:
         """Draw no more; returns once the thread has ended."""
         self._stop.set()
-        if self._thread.is_alive():
+        if self._thread is not None:
             self._thread.join(timeout=2.0)
 
     def cost_ms(self) -> dict[str, float]:
@@ -57,9 +65,9 @@ class View:
             version, now, used = new, time.perf_counter(), time.thread_time()
             try:
                 self._scene.update(tick, now - shown)
-            except Exception:
+            except Exception as error:
                 # One picture lost; the loop and the other pages must not notice.
-                log.exception("the view could not draw a tick")
+                self.faults.tell("the view could not draw a tick", error)
             shown = now
             self.frames += 1
             self._costs_ms.append(1e3 * (time.thread_time() - used))

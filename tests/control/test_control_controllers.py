@@ -1,13 +1,16 @@
 """Every controller of the registry, and the policies' place in it."""
 
+import shutil
+
 import numpy as np
 import pytest
+from safetensors.numpy import load_file, save_file
 
 from studio.control import trackers as controllers
 from studio.control.action import ActionConfig
 from studio.control.footing import with_velocity
 from studio.control.observation import ObservationConfig, level_quat
-from studio.control.policy import Policy, manifest_of
+from studio.control.policy import MODELS, Policy, manifest_of
 from studio.control.trackers import CONTROLLERS, Situation, default_controller, open_controller
 from studio.control.trackers import policy as policy_room
 from studio.control.trackers.policy import PolicyTracker
@@ -116,3 +119,19 @@ def test_a_policy_that_takes_over_begins_with_a_history_of_the_present(
     tracker.act(at(standing, "walk", False))
     history = policies["walk"].history
     np.testing.assert_allclose(history.z[0], np.tile(history.z[0, -1], (4, 1)))
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda tensors: {**tensors, "weight_0": np.full_like(tensors["weight_0"], np.nan)},
+        lambda tensors: {**tensors, "mean": tensors["mean"][:-1], "std": tensors["std"][:-1]},
+        lambda tensors: {**tensors, "bias_0": tensors["bias_0"][:3]},
+        lambda tensors: {k: v for k, v in tensors.items() if k != "std"},
+    ],
+)
+def test_a_policy_that_answers_nonsense_is_refused_with_its_file(tmp_path, spoil):
+    shutil.copy(MODELS / "walk.json", tmp_path / "walk.json")
+    save_file(spoil(load_file(MODELS / "walk.safetensors")), tmp_path / "walk.safetensors")
+    with pytest.raises(StudioError, match=r"walk\.safetensors cannot be read"):
+        Policy.load(tmp_path / "walk.safetensors")

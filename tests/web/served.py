@@ -16,11 +16,11 @@ import httpx
 class Served:
     """`a1-studio serve` in a process of its own, and every tick it sent."""
 
-    def __init__(self, sessions: Path, *options: str) -> None:
+    def __init__(self, sessions: Path, *options: str, port: int = 0) -> None:
         environment = {**os.environ, "OMP_NUM_THREADS": "1"}
         self.begun, self.sessions = time.monotonic(), sessions
         self.process = subprocess.Popen(
-            [sys.executable, "-m", "studio", "serve", "--port", "0",
+            [sys.executable, "-m", "studio", "serve", "--port", str(port),
              "--sessions", str(sessions), *options],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=environment,
         )  # fmt: skip

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from acted_takes import acted_take, record
 
+from studio.retarget.store import style_dir
 from studio.takes.edit.edits import read_edits
 from studio.takes.export.adding import add_take
 from studio.takes.record.recorder import Recorder
@@ -122,6 +123,25 @@ def test_what_does_not_fit_is_refused_with_what_would_work(collecting):
     assert "unknown take" in why(client.post("/api/train", json={"takes": ["nobody"]}), 422)
     assert "no training is running" in why(client.post("/api/train/cancel"), 409)
     assert "unknown mapper" in why(client.post("/api/mapper", json={"name": "nobody"}), 409)
+
+
+@pytest.mark.parametrize(
+    ("file", "content"),
+    [("walk.safetensors", b"torn"), ("walk.json", b"{"), ("mapper.json", b"[]")],
+)
+def test_a_damaged_mapper_is_409_with_its_file_and_the_robot_goes_on(collecting, file, content):
+    folder = collecting.sessions / "mappers" / "damaged"
+    shutil.copytree(style_dir("march"), folder)
+    try:
+        (folder / "mapper.json").write_text("{}")
+        (folder / file).write_bytes(content)
+        answer = collecting.client.post("/api/mapper", json={"name": "damaged"})
+        assert answer.status_code == 409
+        assert f"damaged/{file} cannot be used" in answer.json()["why"]
+        state = collecting.state()
+        assert (state["mapper"]["name"], state["stopped"]) == ("shipped", False)
+    finally:
+        shutil.rmtree(folder)
 
 
 def test_every_route_is_in_the_schema_and_behind_the_door(collecting):

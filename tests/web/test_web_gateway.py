@@ -1,6 +1,7 @@
 """Commands, sockets, files and takes over the real gateway and the real loop."""
 
 import json
+import re
 import socket
 import time
 from dataclasses import replace
@@ -367,6 +368,8 @@ def test_a_dropped_recording_becomes_the_source(studio_live, poses):
         ("bad.jsonl", b'{"t": 0}\n', 422, "bad.jsonl"),
         ("empty.jsonl", b"", 422, "empty.jsonl"),
         ("italian.bvh", write(ITALIAN).encode(), 422, "LeftGamba"),
+        ("a march (2).bvh", b"HIERARCHY\n", 422, "a march (2).bvh"),
+        ("C:\\clips\\ümlaut.jsonl", b"[]\n", 422, "ümlaut.jsonl"),
     ],
 )
 def test_a_file_that_cannot_be_read_is_refused_in_words(studio_live, name, content, status, says):
@@ -374,6 +377,7 @@ def test_a_file_that_cannot_be_read_is_refused_in_words(studio_live, name, conte
     assert answer.status_code == status
     assert says in answer.json()["why"]
     assert "/tmp" not in answer.json()["why"]
+    assert not re.search(r"[0-9a-f]{8}_", answer.json()["why"])  # as it is called here
     assert studio_live.state()["source"] == "operator:quiet"
 
 

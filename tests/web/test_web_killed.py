@@ -1,13 +1,19 @@
-"""The whole server killed (SIGKILL) while it records: no tick that anybody saw is lost."""
+"""The whole server killed (SIGKILL): no tick anybody saw is lost, nothing goes on or is left."""
 
+import contextlib
 import signal
+import threading
 import time
 from pathlib import Path
 
+import httpx
 import numpy as np
 import pytest
+from acted_takes import acted_take, record
 from served import Served
 
+from studio.synthetic.operator import OperatorSource
+from studio.takes.export.bvh import write_bvh
 from studio.takes.library import SessionLibrary
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
@@ -103,3 +109,67 @@ def test_a_server_killed_as_it_stops_a_take_loses_no_tick(tmp_path, after):
     take = SessionLibrary(sessions).read(name)
     assert len(take) == stopped["ticks"]
     assert take.problems == ()
+
+
+def children(parent: int) -> dict[int, str]:
+    """Processes begun by `parent` that run: number and command line (Linux)."""
+    found = {}
+    for folder in Path("/proc").glob("[0-9]*"):
+        try:
+            state, above = (folder / "stat").read_text().rpartition(")")[2].split()[:2]
+            if int(above) == parent and state != "Z":
+                found[int(folder.name)] = (folder / "cmdline").read_text().replace("\0", " ")
+        except OSError:
+            continue  # it has ended
+    return found
+
+
+def until(true, seconds=120.0):
+    """Wait for it."""
+    deadline = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+@pytest.mark.skipif(not Path("/proc").is_dir(), reason="processes are looked up in /proc")
+def test_a_killed_server_takes_its_training_and_its_imports_along(tmp_path, monkeypatch):
+    temporary, sessions = tmp_path / "tmp", tmp_path / "sessions"
+    temporary.mkdir()
+    monkeypatch.setenv("TMPDIR", str(temporary))
+    record(acted_take("tilt", np.random.default_rng(0)), sessions, "acted")
+    person = OperatorSource("walk", seed=1)
+    joints = [pose.joint_pos_w for k in range(2700) if (pose := person.read(k / 30.0))]
+    write_bvh(tmp_path / "walk.bvh", np.array(joints), 1.0 / 30.0)
+
+    served = serve(sessions)
+    body = {"takes": ["acted"], "states": ["stand"], "name": "mine", "steps": 100_000}
+    assert served.client.post("/api/train", json=body).status_code == 200
+    files = {"files": ("walk.bvh", (tmp_path / "walk.bvh").read_bytes())}
+
+    def send():
+        with contextlib.suppress(httpx.TransportError):  # it is killed before it can answer
+            served.client.post("/api/takes/import", files=files, timeout=120.0)
+
+    sending = threading.Thread(target=send)
+    sending.start()
+
+    def at_work() -> bool:
+        commands = " ".join(children(served.process.pid).values())
+        return "train mapper" in commands and bool(list(sessions.glob(".import-*")))
+
+    until(at_work)
+    theirs = children(served.process.pid)
+    assert len(list(temporary.glob("a1-studio-*"))) == 1
+    kill(served)
+    sending.join(30.0)
+    until(lambda: not any(Path(f"/proc/{number}").is_dir() for number in theirs))
+    assert list(sessions.glob(".import-*"))
+    assert not (sessions / "mappers" / "mine").exists()
+
+    served = serve(sessions)
+    assert len(list(temporary.glob("a1-*"))) == 1  # its own
+    assert not list(sessions.glob(".import-*"))
+    assert [take["name"] for take in served.client.get("/api/takes").json()] == ["acted"]
+    assert served.close()[0] == 0
+    assert not list(temporary.glob("a1-*"))

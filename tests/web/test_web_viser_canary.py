@@ -74,6 +74,17 @@ def test_nobody_but_the_relay_may_connect(inner, headers):
     assert refused.value.response.status_code == 403
 
 
+def test_a_secret_of_odd_bytes_is_refused_like_any_other(inner):
+    with socket.create_connection(("127.0.0.1", inner.port), timeout=5) as raw:
+        raw.sendall(
+            f"GET / HTTP/1.1\r\nHost: 127.0.0.1:{inner.port}\r\nUpgrade: websocket\r\n"
+            "Connection: Upgrade\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n"
+            f"Sec-WebSocket-Version: 13\r\n{SECRET_HEADER}: ".encode()
+            + b"\xe9\xff\r\n\r\n"
+        )
+        assert raw.recv(4096).startswith(b"HTTP/1.1 403")
+
+
 def test_the_relay_may_connect_and_is_given_the_scene(inner):
     async def attempt():
         async with connect(

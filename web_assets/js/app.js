@@ -1,8 +1,9 @@
 // The page: wires panels, safety and the 3-D view to the studio.
 
+import { Alarm, drawStale } from "./alarm.js";
 import { CollectPanels } from "./collect.js";
 import { Controls } from "./controls.js";
-import { $, $$, attempt, text, toast } from "./dom.js";
+import { $, $$, attempt, openDialog, text, toast } from "./dom.js";
 import { Drops } from "./drops.js";
 import { drawHealth } from "./health.js";
 import { TickHistory } from "./history.js";
@@ -14,6 +15,7 @@ import { Review } from "./review.js";
 import { Shortcuts } from "./shortcuts.js";
 import { SourcePanel } from "./source.js";
 import { drawLink, drawStatus } from "./status.js";
+import { Stillness } from "./stillness.js";
 import { Studio } from "./studio.js";
 import { TakesPanel } from "./takes.js";
 import { View } from "./view.js";
@@ -29,6 +31,8 @@ const { api } = studio;
 Object.assign(window, { a1studio: studio }); // for tests and the curious
 
 // Safety first: these work even if something below fails.
+const alarm = new Alarm();
+const stillness = new Stillness();
 const line = new ControlLine(api, {
   heldKeys: () => keyboard.held,
   onState: (state) => {
@@ -36,17 +40,25 @@ const line = new ControlLine(api, {
     drawState(state);
   },
   onLink: (link) => {
-    if (link === "up" && studio.link === "down") view.reload();
+    if (link === "up" && ["down", "locked"].includes(studio.link)) view.reload();
     studio.link = link;
     drawConnection();
   },
+  onDelivered: alarm.delivered,
 });
 /** @type {Record<string, () => unknown> & { stop: () => void }} */
 const actions = {
   stop: () => {
+    alarm.pressed(() => api.post("/api/stop").then(alarm.delivered, () => {}));
     line.stop();
-    shortcuts.close();
+    openDialog()?.close();
     $("#stop").animate([{ scale: 0.94 }, { scale: 1 }], 150);
+  },
+  // Closes what is open where nothing can be in danger; in doubt it is a stop.
+  escape: () => {
+    const still = stillness.still(studio.state, performance.now());
+    if (still && openDialog()) openDialog()?.close();
+    else actions.stop();
   },
   R: () => attempt(() => api.post("/api/reset")),
   Enter: () => attempt(() => api.post("/api/arm")),
@@ -119,6 +131,7 @@ ticks((tick) => {
   studio.tick = tick;
   studio.lastTick = performance.now();
   history.add(tick, studio.lastTick);
+  stillness.add(tick, studio.lastTick);
   controls.drawVotes(tick);
   drawCaptions(tick);
   drawMeaning(tick);
@@ -166,6 +179,8 @@ function drawControl(state) {
 function drawConnection() {
   const silent = studio.lastTick > 0 && performance.now() - studio.lastTick > SILENT;
   drawLink(studio.link, silent);
+  drawStale(studio.link, studio.lastTick);
+  alarm.draw();
 }
 
 setInterval(() => {

@@ -35,6 +35,10 @@ export const $canvas = (selector, root) => find(HTMLCanvasElement, selector, roo
  */
 export const $$ = (selector, root = document) => [...root.querySelectorAll(selector)].map(html);
 
+/** The dialog that is open, if one is. */
+export const openDialog = () =>
+  /** @type {HTMLDialogElement | null} */ (document.querySelector("dialog[open]"));
+
 /** @param {Element} node */
 function html(node) {
   if (node instanceof HTMLElement) return node;

@@ -76,7 +76,7 @@ export class Keyboard {
       // First of all listeners, and nothing else may swallow it.
       event.stopImmediatePropagation();
       event.preventDefault();
-      if (!event.repeat) this.actions.stop();
+      if (!event.repeat) (this.actions.escape ?? this.actions.stop)();
     } else if (typing(focus) || event.ctrlKey || event.metaKey || event.altKey) {
       return;
     } else if (event.key === " " && !onControl(focus)) {

@@ -121,19 +121,19 @@ export function ticks(/** @type {(tick: Tick) => void} */ onTick) {
 
 /**
  * The page's own line, kept by a worker (pace.js): twenty heartbeats a second with the keys held
- * down, and the emergency stop, past every request that may be waiting. By HTTP, if it is down.
+ * down, and the emergency stop, past every request that may be waiting, until it is confirmed.
  */
 export class ControlLine {
   /** ms to the studio and back. */
   roundTrip = 0;
-  #worker = new Worker("/assets/js/pace.js");
+  #worker = new Worker("/assets/js/pace.js", { type: "module" });
 
   /**
    * @param {Api} api
    * @param {{ heldKeys: () => string[], onState: (state: StateMessage) => void,
-   *   onLink: (link: "up" | "down") => void }} hooks
+   *   onLink: (link: "up" | "down" | "locked") => void, onDelivered: () => void }} hooks
    */
-  constructor(api, { heldKeys, onState, onLink }) {
+  constructor(api, { heldKeys, onState, onLink, onDelivered }) {
     this.api = api;
     this.heldKeys = heldKeys;
     this.#worker.onmessage = ({ data }) => {
@@ -143,9 +143,16 @@ export class ControlLine {
         this.roundTrip = data.roundTrip;
         onState(data);
       } else if (data.type === "link") {
-        if (data.link === "down") api.page = null;
         onLink(data.link);
-      } else if (data.type === "unsent-stop") api.post("/api/stop").catch(() => {});
+        if (data.link === "down") {
+          api.page = null;
+          // A socket that is refused does not say why; a request does.
+          fetch("/api/state").then(
+            (answer) => answer.status === 401 && onLink("locked"),
+            () => {},
+          );
+        }
+      } else if (data.type === "delivered") onDelivered();
     };
     document.addEventListener("visibilitychange", () => this.say());
     this.#worker.postMessage({ type: "open", url: socketUrl("/api/control") });

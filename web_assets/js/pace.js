@@ -1,6 +1,8 @@
 // The page's own line, in a worker: drawing may hold up the page, never the heartbeat. It beats
 // twenty times a second for as long as the page itself answers; a page that hangs is a lost page.
 
+import { Stops } from "./stops.js";
+
 const HANGS = 5000; // ms without a word from the page
 
 class Line {
@@ -10,6 +12,11 @@ class Line {
   #roundTrip = 0;
   #heard = performance.now();
   #said = { keys: [], visible: true };
+  #stops = new Stops({
+    send: (message) => this.#send(message),
+    post: () => postStop(),
+    confirmed: (ms) => postMessage({ type: "delivered", ms }),
+  });
 
   /** @param {string} url */
   open(url) {
@@ -17,6 +24,7 @@ class Line {
     socket.onopen = () => {
       this.#wait = 250;
       postMessage({ type: "link", link: "up" });
+      this.#stops.reconnected();
     };
     socket.onclose = () => {
       postMessage({ type: "link", link: "down" });
@@ -26,7 +34,9 @@ class Line {
     socket.onmessage = (event) => {
       const message = JSON.parse(event.data);
       if (message.type === "beat") this.#roundTrip = performance.now() - message.sent;
-      else postMessage({ ...message, roundTrip: this.#roundTrip });
+      else if (message.type === "stopped") {
+        if (message.ok) this.#stops.confirm(message.number);
+      } else postMessage({ ...message, roundTrip: this.#roundTrip });
     };
   }
 
@@ -53,10 +63,17 @@ class Line {
     } else if (data.type === "said") {
       this.#said = data.said;
       this.beat();
-    } else if (data.type === "stop" && !this.#send({ type: "stop" })) {
-      postMessage({ type: "unsent-stop" });
+    } else if (data.type === "stop") {
+      this.#stops.press();
     }
   }
+}
+
+/** The stop by HTTP; whether it was applied. */
+async function postStop() {
+  const patience = AbortSignal.timeout(2000);
+  const answer = await fetch("/api/stop", { method: "POST", signal: patience });
+  return answer.ok;
 }
 
 const line = new Line();

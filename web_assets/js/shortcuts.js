@@ -4,7 +4,7 @@ import { $, el } from "./dom.js";
 import { DRIVE } from "./keys.js";
 
 const ROWS = [
-  ["Esc", "emergency stop, wherever the focus is"],
+  ["Esc", "emergency stop, wherever the focus is; closes this while the robot is still"],
   ["Space", "emergency stop, outside controls"],
   ["R", "reset: stand up"],
   ["Enter", "arm: follow again"],
@@ -27,8 +27,4 @@ export class Shortcuts {
 
   /** Not modal: the stop button must stay within reach. */
   show = () => this.#dialog.show();
-
-  close() {
-    if (this.#dialog.open) this.#dialog.close();
-  }
 }

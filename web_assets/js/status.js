@@ -74,14 +74,19 @@ export function drawStatus(state) {
 /**
  * Whether the studio is there.
  *
- * @param {"connecting" | "up" | "down"} link
+ * @param {"connecting" | "up" | "down" | "locked"} link
  * @param {boolean} silent whether no tick has come for a while
  */
 export function drawLink(link, silent) {
   const shown = link === "up" && silent ? "connecting" : link;
   $("#chip-link").dataset.link = shown;
-  const words = { up: "Connected", connecting: silent ? "No ticks" : "Connecting", down: "" };
-  text($("#chip-link b"), words[shown] || "Disconnected");
+  const words = {
+    up: "Connected",
+    connecting: silent ? "No ticks" : "Connecting",
+    down: "Disconnected",
+    locked: "Signed out",
+  };
+  text($("#chip-link b"), words[shown]);
   if (link !== "down") return;
   $("#status").dataset.kind = "stopped";
   text(

@@ -10,7 +10,8 @@ export class Studio {
   tick = null;
   /** @type {State | null} */
   state = null;
-  /** @type {"connecting" | "up" | "down"} */
+  /** locked: the studio is there, and does not know this page. */
+  /** @type {"connecting" | "up" | "down" | "locked"} */
   link = "connecting";
   /** ms on the page's clock when the newest tick came; 0 before the first. */
   lastTick = 0;

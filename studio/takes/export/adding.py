@@ -2,12 +2,12 @@
 
 import os
 import shutil
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from studio.errors import StudioError
+from studio.files import scratch_folder
 from studio.takes.edit.edits import EDITS
 from studio.takes.export.archive import unpack_takes
 from studio.takes.names import check_take, fit_name, take_folder
@@ -32,17 +32,18 @@ def add_take(root: Path, folder: Path, name: str | None = None, *, link: bool = 
     if target.exists():
         raise StudioError(f"a take named {name} exists: give another name")
     files = [source / f for f in (META, TAPE, EDITS) if (source / f).is_file()]
-    temporary = root / f"{SCRATCH}{os.getpid()}-{name}"
     try:
-        temporary.mkdir(parents=True)
-        for file in files:
-            if link and file.name == TAPE:
-                _share(file, temporary / file.name)
-            else:
-                shutil.copyfile(file, temporary / file.name)
-        temporary.rename(target)
+        root.mkdir(parents=True, exist_ok=True)
+        with scratch_folder(SCRATCH, root) as scratch:
+            ready = scratch / name
+            ready.mkdir()
+            for file in files:
+                if link and file.name == TAPE:
+                    _share(file, ready / file.name)
+                else:
+                    shutil.copyfile(file, ready / file.name)
+            ready.rename(target)
     except OSError as error:
-        shutil.rmtree(temporary, ignore_errors=True)
         raise StudioError(f"{source.name} was not imported: {error.strerror}") from error
     return name
 
@@ -54,15 +55,15 @@ def record_take(
     check_take(name)
     root.mkdir(parents=True, exist_ok=True)
     # Beside the library, not in it: a studio may be recording there.
-    with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=root) as scratch:
-        recorder = Recorder(Path(scratch))
+    with scratch_folder(SCRATCH, root) as scratch:
+        recorder = Recorder(scratch)
         try:
             recorder.start(label, name=name, about=about)
             for tick in ticks:
                 recorder.append(tick)
         finally:
             recorder.close()
-        return add_take(root, Path(scratch) / name, name)
+        return add_take(root, scratch / name, name)
 
 
 def free_name(root: Path, wanted: str) -> str:
@@ -90,8 +91,8 @@ def add_zip(root: Path, file: Path) -> tuple[list[str], dict[str, str]]:
     """The takes in a zip, as `add_all`."""
     try:
         root.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(prefix=SCRATCH, dir=root) as scratch:
-            return add_all(root, unpack_takes(file, Path(scratch)))
+        with scratch_folder(SCRATCH, root) as scratch:
+            return add_all(root, unpack_takes(file, scratch))
     except OSError as error:
         raise StudioError(f"{file.name} was not imported: {error.strerror}") from error
 
