@@ -146,7 +146,8 @@ class TimelyHttp(H11Protocol):
         self._timer = self.loop.call_later(CHECK_S, self._check)
         if len(self.connections) > self.most:
             waiting = [c for c in self.connections if isinstance(c, TimelyHttp) and c.asks_nothing]
-            min(waiting, key=lambda c: c._since, default=self)._drop()
+            # Those first that never asked for anything, and of them the oldest.
+            min(waiting, key=lambda c: (c.cycle is not None, c._since), default=self)._drop()
 
     def connection_lost(self, exc: Exception | None) -> None:
         """As uvicorn's."""

@@ -15,7 +15,6 @@ import { Review } from "./review.js";
 import { Shortcuts } from "./shortcuts.js";
 import { SourcePanel } from "./source.js";
 import { drawLink, drawStatus } from "./status.js";
-import { Stillness } from "./stillness.js";
 import { Studio } from "./studio.js";
 import { TakesPanel } from "./takes.js";
 import { View } from "./view.js";
@@ -32,7 +31,6 @@ Object.assign(window, { a1studio: studio }); // for tests and the curious
 
 // Safety first: these work even if something below fails.
 const alarm = new Alarm();
-const stillness = new Stillness();
 const line = new ControlLine(api, {
   heldKeys: () => keyboard.held,
   onState: (state) => {
@@ -56,8 +54,8 @@ const actions = {
   },
   // Closes what is open where nothing can be in danger; in doubt it is a stop.
   escape: () => {
-    const still = stillness.still(studio.state, performance.now());
-    if (still && openDialog()) openDialog()?.close();
+    const dialog = openDialog();
+    if (dialog && studio.still) dialog.close();
     else actions.stop();
   },
   R: () => attempt(() => api.post("/api/reset")),
@@ -131,7 +129,7 @@ ticks((tick) => {
   studio.tick = tick;
   studio.lastTick = performance.now();
   history.add(tick, studio.lastTick);
-  stillness.add(tick, studio.lastTick);
+  studio.stillness.add(tick, studio.lastTick);
   controls.drawVotes(tick);
   drawCaptions(tick);
   drawMeaning(tick);

@@ -1,6 +1,7 @@
 // What every panel shares: the API, the newest tick and state, and what the page is busy with.
 
 import { Api } from "./net.js";
+import { Stillness } from "./stillness.js";
 
 /** @import { State, Tick } from "../types/page.js" */
 
@@ -15,6 +16,12 @@ export class Studio {
   link = "connecting";
   /** ms on the page's clock when the newest tick came; 0 before the first. */
   lastTick = 0;
+  stillness = new Stillness();
+
+  /** Whether the robot is known not to move. */
+  get still() {
+    return this.stillness.still(this.state, performance.now());
+  }
 
   /** Whether the robot shows what to act out. */
   get collecting() {
