@@ -94,5 +94,5 @@ def open_mapper(sessions: Path, name: str, style: str) -> OpenedMapper:
     try:
         style = _about(folder / SIDECAR).get("style") or style
     except (OSError, ValueError) as error:
-        raise StudioError(f"mapper {name} has a damaged {SIDECAR}: {error}") from error
+        raise StudioError(f"{name}/{SIDECAR} cannot be used: {error}") from error
     return OpenedMapper(name=name, experts=read_experts(folder, style))
