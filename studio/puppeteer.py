@@ -26,7 +26,7 @@ from studio.control.command import (
 )
 from studio.control.controller import Control, Controller, Directive
 from studio.control.staleness import HOLD_AFTER, STALE_AFTER, why_still
-from studio.control.trackers import Situation, open_controller
+from studio.control.trackers import TrackerInput, open_controller
 from studio.errors import unknown_name
 from studio.human.calibration import Calibration
 from studio.human.pose import HumanPose
@@ -97,7 +97,7 @@ class Puppeteer:
                 wanted, reference = shown
             control = self.controller.step(wanted, reference, command.directive, command.ramp)
         with self._section("policy"):
-            action = self.tracker.act(self._situation(control))
+            action = self.tracker.act(self._tracker_input(control))
         with self._section("filter"):
             target = limit_target(self.low_pass.step(action), self._target)
         with self._section("physics"):
@@ -186,7 +186,7 @@ class Puppeteer:
         self.robot: RobotState = self.world.reset(reference)
         self.low_pass.reset(reference.joint_pos)
         self._target = reference.joint_pos
-        self.tracker.reset(self._situation())
+        self.tracker.reset(self._tracker_input())
         self.fallen = False
 
     # What a user changes while driving ----------------------------------------------------------
@@ -228,7 +228,7 @@ class Puppeteer:
     def set_controller(self, name: str) -> None:
         """Another controller from the next period on. StudioError if there is none of the name."""
         tracker = open_controller(name)
-        tracker.reset(self._situation())
+        tracker.reset(self._tracker_input())
         self.tracker = tracker
 
     # One step's parts ---------------------------------------------------------------------------
@@ -258,9 +258,9 @@ class Puppeteer:
                 self.place(self.lock or mapped.expert)  # type: ignore[arg-type]
                 self._placed = True
 
-    def _situation(self, control: Control | None = None) -> Situation:
+    def _tracker_input(self, control: Control | None = None) -> TrackerInput:
         """What the tracker acts on; without `control`, as it is before the first step."""
-        return Situation(
+        return TrackerInput(
             reference=control.reference if control else self.controller.reference,
             robot=self.robot,
             state=control.expert if control else self.controller.state,

@@ -18,7 +18,7 @@ from scipy.stats import chi2
 from studio.control.command import PuppeteerConfig
 from studio.control.policy import Policy
 from studio.control.staleness import stale_command
-from studio.control.trackers.policy import PolicyTracker
+from studio.control.trackers import PolicyTracker
 from studio.errors import StudioError
 from studio.evaluation.impaired import IMPAIRMENTS, Impaired
 from studio.evaluation.options import TableOptions

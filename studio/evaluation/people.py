@@ -21,7 +21,7 @@ from studio.human.calibration import calibrate
 from studio.options import ControllerName, Style
 from studio.puppeteer import Puppeteer
 from studio.reference.stances import NEUTRAL, tilt_of
-from studio.retarget.states import EXPERTS
+from studio.retarget.experts import EXPERTS
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT, FOOT_RADIUS
 from studio.sources import SourceEnded, open_source

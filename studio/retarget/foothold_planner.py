@@ -10,9 +10,9 @@ from studio.reference import scalars
 from studio.reference.consistency import ContactConfig, ContactLock, limit_speed, limit_turn
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
+from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES, Mapped
 from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
-from studio.retarget.states import EXPERTS
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose
 

@@ -14,6 +14,7 @@ from studio.human.features import FeatureExtractor, Features
 from studio.human.pose import HumanPose
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
+from studio.retarget.experts import EXPERTS
 from studio.retarget.foothold_planner import Planting
 from studio.retarget.mapper import Mapped
 from studio.retarget.selector import (
@@ -24,7 +25,6 @@ from studio.retarget.selector import (
     TripletFilter,
 )
 from studio.retarget.settings import RetargetSettings
-from studio.retarget.states import EXPERTS
 from studio.retarget.store import Experts, load_experts
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import unknown_name
-from studio.retarget.states import EXPERTS
+from studio.retarget.experts import EXPERTS
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]

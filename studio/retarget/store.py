@@ -13,10 +13,10 @@ from safetensors.numpy import load_file
 from studio.errors import StudioError, unknown_name
 from studio.human.features import FEATURE_DIM
 from studio.paths import carried
+from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import Expert, Mapper
 from studio.retarget.selector import Prototypes
 from studio.retarget.semantic import SemanticWalk
-from studio.retarget.states import EXPERTS
 
 STYLES: tuple[str, ...] = ("march", "circles", "semantic")
 """Which human motion means walking: marching in place, circling hands, or marching in place read by

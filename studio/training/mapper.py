@@ -19,8 +19,8 @@ from safetensors.numpy import save_file
 from studio.errors import StudioError, unknown_name
 from studio.files import whole
 from studio.reference.intent import StateName
+from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import Mapper
-from studio.retarget.states import EXPERTS
 from studio.retarget.store import STYLES, ruled, shared, style_dir
 from studio.training.machine import commit
 from studio.training.mapper_fit import MapperTraining, Tick, fit_expert, plain_json, score

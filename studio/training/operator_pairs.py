@@ -20,8 +20,8 @@ from studio.reference.labels import label_motion, mirror_labels
 from studio.reference.library import TASKS
 from studio.reference.motion import ReferenceMotion
 from studio.reference.realize import realize
+from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES
-from studio.retarget.states import EXPERTS
 from studio.synthetic import Person, exercise, play
 from studio.synthetic import signals as sig
 

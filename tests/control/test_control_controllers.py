@@ -11,9 +11,13 @@ from studio.control.action import ActionConfig
 from studio.control.footing import with_velocity
 from studio.control.observation import ObservationConfig, level_quat
 from studio.control.policy import MODELS, Policy, manifest_of
-from studio.control.trackers import CONTROLLERS, Situation, default_controller, open_controller
-from studio.control.trackers import policy as policy_room
-from studio.control.trackers.policy import PolicyTracker
+from studio.control.trackers import (
+    CONTROLLERS,
+    PolicyTracker,
+    TrackerInput,
+    default_controller,
+    open_controller,
+)
 from studio.errors import StudioError
 from studio.reference.intent import STATES, StateName
 from studio.reference.stances import NEUTRAL
@@ -53,16 +57,18 @@ def standing() -> tuple[ReferencePose, RobotState]:
     return with_velocity(NEUTRAL["stand"], NEUTRAL["stand"]), World().reset(NEUTRAL["stand"])
 
 
-def at(standing: tuple[ReferencePose, RobotState], state: StateName, on_the_way=False) -> Situation:
+def at(
+    standing: tuple[ReferencePose, RobotState], state: StateName, on_the_way=False
+) -> TrackerInput:
     reference, robot = standing
-    return Situation(reference=reference, robot=robot, state=state, in_transition=on_the_way)
+    return TrackerInput(reference=reference, robot=robot, state=state, in_transition=on_the_way)
 
 
 def test_every_controller_gives_twelve_finite_angles_in_every_state(
     standing: tuple[ReferencePose, RobotState],
 ):
     for name in CONTROLLERS:
-        if name == "policy" and not policy_room.trained():
+        if name == "policy" and not controllers.trained():
             continue  # its own tests follow
         tracker = open_controller(name)
         assert tracker.name == name
@@ -75,7 +81,7 @@ def test_every_controller_gives_twelve_finite_angles_in_every_state(
 
 
 def test_the_default_is_policy_once_trained_and_pd_playback_until_then(monkeypatch, tmp_path):
-    monkeypatch.setattr(policy_room, "MODELS", tmp_path)
+    monkeypatch.setattr(controllers, "MODELS", tmp_path)
     assert default_controller() == "pd_playback"
     with pytest.raises(StudioError, match="train policy"):
         open_controller("policy")

@@ -110,7 +110,7 @@ def test_a_recorded_drive_can_be_driven_again_from_its_take(tmp_path):
 
 
 def test_a_fall_ends_the_drive_and_is_no_error(monkeypatch):
-    from studio.control.trackers.pd_playback import PdPlayback
+    from studio.control.trackers import PdPlayback
 
     collapse = np.tile([0.0, 2.5, -2.6], 4)
     monkeypatch.setattr(PdPlayback, "act", lambda self, *_: collapse)

@@ -7,10 +7,10 @@ import pytest
 
 from studio import geometry
 from studio.reference.stances import NEUTRAL, tilted
+from studio.retarget.experts import EXPERTS
 from studio.retarget.foothold_planner import TURN_MAX, Planting
 from studio.retarget.mapper import NUM_RATES, RATES, Mapped
 from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
-from studio.retarget.states import EXPERTS
 from studio.robot import a1, kinematics
 
 DT = a1.CONTROL_DT

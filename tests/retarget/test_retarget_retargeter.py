@@ -8,8 +8,8 @@ from studio.human.calibration import calibrate
 from studio.human.pose import HumanClip, HumanPose
 from studio.reference.library import TASKS
 from studio.reference.stances import NEUTRAL
+from studio.retarget.experts import EXPERTS
 from studio.retarget.retargeter import Retargeted, Retargeter
-from studio.retarget.states import EXPERTS
 from studio.retarget.store import load_experts, read_sidecar, style_dir
 from studio.robot import a1, kinematics
 from studio.synthetic import Person, perform

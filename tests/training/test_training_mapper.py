@@ -15,9 +15,9 @@ from studio.reference.realize import realize
 from studio.reference.stances import tilt_of
 from studio.retarget.baselines.base import Targets
 from studio.retarget.baselines.ridge import Ridge
+from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES, Mapped, Mapper
 from studio.retarget.retargeter import Retargeter
-from studio.retarget.states import EXPERTS
 from studio.synthetic import Person, perform, play
 from studio.synthetic import signals as sig
 from studio.training import checkpoint
