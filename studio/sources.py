@@ -6,9 +6,17 @@ from pathlib import Path
 
 from studio.errors import StudioError, unknown_name
 from studio.mocap.joint_maps import JointMap, JointMaps
-from studio.mocap.source import Source, SourceEnded, poses
+from studio.mocap.source import Source, SourceEnded, TakesNoFrames, poses
 
-__all__ = ["SOURCES", "Source", "SourceEnded", "SourceKind", "open_source", "poses"]
+__all__ = [
+    "SOURCES",
+    "Source",
+    "SourceEnded",
+    "SourceKind",
+    "TakesNoFrames",
+    "open_source",
+    "poses",
+]
 
 
 DEFAULT_SESSIONS = Path("sessions")

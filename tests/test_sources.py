@@ -1,5 +1,6 @@
 """Every entry of the source registry keeps the contract of a Source; files, streams, bad specs."""
 
+import contextlib
 import json
 import math
 import threading
@@ -15,10 +16,14 @@ from studio.mocap.clip_source import ClipSource
 from studio.mocap.frames import load_frames
 from studio.mocap.gate import object_of
 from studio.mocap.raw_frame import FrameRejected
+from studio.mocap.source import TakesNoFrames
 from studio.mocap.source import poses as source_poses
 from studio.mocap.stream import StreamSource
+from studio.reference.intent import Intent
 from studio.robot.pose import ReferencePose, RobotState
 from studio.sources import SOURCES, Source, SourceEnded, open_source
+from studio.synthetic.follower import FollowingOperator
+from studio.synthetic.operator import InteractiveOperator
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
 
@@ -115,7 +120,7 @@ def opened(tmp_path: Path):
 
 
 def feed(source: Source, k: int) -> None:
-    if isinstance(source, StreamSource):
+    with contextlib.suppress(TakesNoFrames):
         source.push(frame(k / 30, 0.01 * k))
 
 
@@ -171,6 +176,41 @@ def test_every_source_calibrates_from_what_it_can_and_closes_twice(opened, name)
         assert pose.joint_pos_w.shape == (19, 3)
     source.close()
     source.close()
+
+
+@pytest.mark.parametrize("name", sorted(SOURCES))
+def test_every_source_takes_frames_or_says_where_they_go(opened, name):
+    source = opened(name)
+    source.new_sender()
+    if name == "stream":
+        source.push(frame(0.0))
+        given = source.read(0.0)
+        assert given is not None
+        assert given.joint_pos_w == pytest.approx(NEUTRAL)
+    else:
+        with pytest.raises(TakesNoFrames, match="set the source to stream") as refused:
+            source.push(frame(0.0))
+        assert source.name in str(refused.value)
+    assert source.rejected == 0
+
+
+@pytest.mark.parametrize("name", [*sorted(SOURCES), "interactive", "follow"])
+def test_every_source_can_be_told_and_shown_what_is_meant(opened, name):
+    """Whoever cannot use it goes on as before; who can, moves."""
+    source = {
+        "interactive": lambda: InteractiveOperator(seed=1),
+        "follow": lambda: FollowingOperator(seed=1),
+    }.get(name, lambda: opened(name))()
+    source.set_style("circles")
+    given = []
+    for k in range(30):
+        feed(source, k)
+        source.set_intent(Intent(reach=np.array([1.0, 0.0])))
+        source.show(Intent(reach=np.array([1.0, 0.0])))
+        given.append(source.read(k / 30))
+    assert all(pose is not None and np.isfinite(pose.joint_pos_w).all() for pose in given)
+    raised = given[-1].joint_pos_w[INDEX["r_wrist"], 2] - given[-1].joint_pos_w[INDEX["head"], 2]
+    assert (raised > 0.0) == (name in ("interactive", "follow"))
 
 
 @pytest.mark.parametrize("name", sorted(SOURCES))

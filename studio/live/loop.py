@@ -15,6 +15,7 @@ from studio.live.faults import Faults
 from studio.live.mailbox import BoundedQueue, Latest
 from studio.live.session import Session, SessionConfig
 from studio.live.state import latches, state_dict
+from studio.sources import TakesNoFrames
 from studio.takes.tick import Tick
 
 log = logging.getLogger(__name__)
@@ -117,19 +118,15 @@ class LiveLoop:
 
     def push_frame(self, raw: object) -> None:
         """One human frame for the source `stream`; StudioError says what is wrong with it."""
-        push = getattr(self.session.source, "push", None)
-        if push is None:
+        try:
+            self.session.source.push(raw)
+        except TakesNoFrames:
             self._refused += 1
-            raise StudioError(
-                f"the source is {self.session.source.name}: set the source to stream first"
-            )
-        push(raw)
+            raise
 
     def new_sender(self) -> None:
         """Another client starts to send frames: its skeleton and clock are its own."""
-        begin = getattr(self.session.source, "new_sender", None)
-        if begin is not None:
-            begin()
+        self.session.source.new_sender()
 
     def state_dict(self) -> dict[str, Any]:
         """The object of GET /api/state, as of the last tick."""

@@ -167,9 +167,8 @@ class Session:
         """Walking means `style` to whoever is watched next, and to the built-in operator now."""
         self.config = replace(self.config, puppeteer=replace(self.config.puppeteer, style=style))
         for source in (self.source, self.acting.waiting):
-            set_style = getattr(source, "set_style", None)
-            if set_style is not None:
-                set_style(style)
+            if source is not None:
+                source.set_style(style)
 
     def about(self) -> dict[str, Any]:
         """What a take's meta.json tells of how it came about."""
@@ -194,9 +193,7 @@ class Session:
         shown, step = self.collector.step(
             controller.reference, controller.facing, not controller.following
         )
-        show = getattr(self.source, "show", None)
-        if show is not None:
-            show(shown.intent)
+        self.source.show(shown.intent)
         return (shown.state, shown.pose), step
 
     def enter_collect(self, operator: OpenedSource | None, now: float) -> None:

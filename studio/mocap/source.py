@@ -1,20 +1,30 @@
-"""What every source of human motion is: a name, a clock of its own, and `read(t)`."""
+"""What every source of human motion is: a name, a clock of its own, and `read(t)`.
+
+And what only some can do, with defaults for the others: a new source derives from `Source`.
+"""
 
 from collections.abc import Iterator
 from itertools import count
 from typing import Protocol, runtime_checkable
 
+from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.mocap.report import OWN, SourceReport
+from studio.reference.intent import Intent
 
 
 class SourceEnded(Exception):
     """Raised by `Source.read` once the last pose has been given."""
 
 
+class TakesNoFrames(StudioError):
+    """Raised by `Source.push` of a source that frames cannot be sent to."""
+
+
 @runtime_checkable
 class Source(Protocol):
-    """Gives human poses over time. Only the control loop's thread calls it.
+    """Gives human poses over time. Only the control loop's thread calls it, but for `push`,
+    `new_sender` and `set_intent`, which any thread may.
 
     name: the spec it was opened with, as in docs/contract.md. starts_live: armed and live at once
     (files, the operator), or idle until armed (webcam, stream, vmc). duration: s, None if endless.
@@ -53,6 +63,31 @@ class Source(Protocol):
     def close(self) -> None:
         """Free what is held; idempotent."""
         ...
+
+    # What only some sources can do; as it stands here, of one that cannot.
+
+    def push(self, raw: object) -> None:
+        """Take in a frame sent from outside (docs/contract.md): JSON text or bytes, or decoded.
+
+        Raises FrameRejected for one that does not fit, TakesNoFrames where none can be sent.
+        """
+        raise TakesNoFrames(f"the source is {self.name}: set the source to stream first")
+
+    def new_sender(self) -> None:
+        """Another client starts to send frames: its skeleton and clock are its own."""
+        return
+
+    def set_intent(self, intent: Intent) -> None:
+        """From now on the person means this, if somebody else says what they mean."""
+        return
+
+    def set_style(self, style: str) -> None:
+        """Mean walking by another motion (`retarget.store.STYLES`), if the person is synthetic."""
+        return
+
+    def show(self, intent: Intent) -> None:
+        """What the person sees meant in this control period, if they can be shown something."""
+        return
 
 
 def poses(source: Source, rate: float = 30.0) -> Iterator[HumanPose | None]:

@@ -96,9 +96,8 @@ class Hub:
 
     def drive(self, page: str, keys: frozenset[str]) -> None:
         """Keys held by the page in control become what the hand-driven operator means."""
-        set_intent = getattr(self.loop.session.source, "set_intent", None)
-        if page == self.desk.holder and set_intent is not None:
-            set_intent(intent_of(keys))
+        if page == self.desk.holder:
+            self.loop.session.source.set_intent(intent_of(keys))
 
     def close(self) -> None:
         """Let no thread and no process linger."""
