@@ -4,7 +4,7 @@ import sysconfig
 from pathlib import Path
 
 
-def carried(name: str) -> Path:
+def package_folder(name: str) -> Path:
     """The folder `name` ("models", "web_assets") of a checkout, else of an installed wheel.
 
     A wheel puts them under share/a1-studio of the environment (pyproject.toml, data-files). The

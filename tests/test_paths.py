@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 
 from studio import paths as room
-from studio.paths import carried
+from studio.paths import package_folder
 
 ROOT = Path(__file__).resolve().parents[1]
 STAYS = {
@@ -50,7 +50,7 @@ def test_a_wheel_carries_every_model_and_all_of_the_page_and_no_checkpoint():
 def test_a_checkout_is_used_where_it_lies_and_an_installation_from_the_environment(
     monkeypatch, tmp_path
 ):
-    assert carried("models") == ROOT / "models"
+    assert package_folder("models") == ROOT / "models"
     monkeypatch.setattr(room, "__file__", str(tmp_path / "site-packages" / "studio" / "x.py"))
     data = Path(sysconfig.get_path("data"))
-    assert carried("web_assets") == data / "share" / "a1-studio" / "web_assets"
+    assert package_folder("web_assets") == data / "share" / "a1-studio" / "web_assets"

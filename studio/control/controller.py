@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from studio import geometry
 from studio.control import transition
 from studio.control.footing import between, facing, feet_w, solve, still, turn_z, with_velocity
+from studio.control.interpolation import minimum_jerk
 from studio.control.put_down import IN_THE_AIR, PutDown
 from studio.control.transition import Path
-from studio.control.ways import minimum_jerk
 from studio.reference.intent import STATES, StateName
 from studio.reference.stances import JOINT_SPEED, NEUTRAL
 from studio.robot import a1

@@ -16,7 +16,7 @@ from studio.control.observation import History, ObservationConfig
 from studio.control.symmetry import observation_mirror
 from studio.errors import StudioError
 from studio.files import whole, write_whole
-from studio.paths import carried
+from studio.paths import package_folder
 from studio.reference import scalars
 from studio.reference.intent import STATES
 from studio.robot import a1
@@ -24,7 +24,7 @@ from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 from studio.robot.pose import ReferencePose, RobotState
 
 Array = NDArray[np.float64]
-MODELS = carried("models") / "policy"
+MODELS = package_folder("models") / "policy"
 
 
 class Network:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio import geometry
 from studio.control.footing import feet_w, solve, turn_z
-from studio.control.ways import minimum_jerk
+from studio.control.interpolation import minimum_jerk
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose
 

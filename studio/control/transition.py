@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from studio import geometry
 from studio.control.footing import feet_w, over_feet, placed, solve, turn_z
-from studio.control.ways import (
-    Haunches,
+from studio.control.interpolation import (
     LegMode,
     Legs,
-    Way,
+    PoseInterpolation,
+    RearLegPivot,
     least_seconds,
     minimum_jerk,
     trapezoid,
@@ -58,7 +58,7 @@ class Segment:
     hurried: gets there by `trapezoid`, a third sooner at the same joint speed.
     """
 
-    way: Way
+    way: PoseInterpolation
     seconds: float
     hurried: bool = False
 
@@ -139,17 +139,17 @@ Key = tuple[RobotPose, Legs | Literal["rise", "sink"], float]
 
 def _path(goal: StateName, start: RobotPose, feet: Array, keys: list[Key], at_least: float) -> Path:
     """start: of feet (4, 3). at_least: s that the whole takes."""
-    ways: list[Way] = []
+    ways: list[PoseInterpolation] = []
     for pose, legs, _ in keys:
         there = feet_w(pose)
         pair = (feet, there)
         if isinstance(legs, str):
             rising = legs == "rise"
             ways.append(
-                Haunches(start=start, end=pose, legs=_all("swing"), feet=pair, rising=rising)
+                RearLegPivot(start=start, end=pose, legs=_all("swing"), feet=pair, rising=rising)
             )
         else:
-            ways.append(Way(start=start, end=pose, legs=legs, feet=pair))
+            ways.append(PoseInterpolation(start=start, end=pose, legs=legs, feet=pair))
         start, feet = pose, there
     least = np.array([[seconds] for _, _, seconds in keys])
     usual, quick = np.maximum(least_seconds(ways), least).T.tolist()

@@ -18,7 +18,7 @@ from studio.evaluation.pair_methods import SIZES, Fitted, fit_methods, spread
 from studio.options import Style
 from studio.reference.intent import STATES, StateName
 from studio.retarget.baselines.foot_height import contact_by_height
-from studio.retarget.foothold_planner import Planting
+from studio.retarget.foothold_planner import FootholdPlanner
 from studio.retarget.mapper import RATES, Mapped
 from studio.retarget.store import load_experts
 from studio.robot import kinematics
@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 HELD_OUT_SEED = 20_000
 SETTLE = 10
-"""Frames of each performance left out: planting starts in the neutral pose."""
+"""Frames of each performance left out: the planner starts in the neutral pose."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -176,13 +176,13 @@ def score(state: StateName, clips: list[PairSet], mapped: list[Mapped]) -> dict[
 
 def plant(state: StateName, mapped: Mapped) -> tuple[Performed, float, int]:
     """The planted motion after SETTLE frames, the share of frames clipped, the slips."""
-    planting = Planting()
-    planting.start(state)
+    planner = FootholdPlanner()
+    planner.start(state)
     poses, clipped = [], 0
     for i in range(len(mapped.joint_pos)):
         values = {f: getattr(mapped, f) for f in Mapped.__dataclass_fields__}
         frame = Mapped(**{f: v[i] if isinstance(v, np.ndarray) else v for f, v in values.items()})
-        pose, cut = planting.step(frame, CONTROL_DT)
+        pose, cut = planner.step(frame, CONTROL_DT)
         poses.append(pose)
         clipped += cut
     kept = poses[SETTLE:]
@@ -194,7 +194,7 @@ def plant(state: StateName, mapped: Mapped) -> tuple[Performed, float, int]:
             contact=np.array([p.foot_contact for p in kept]),
         ),
         clipped / len(poses),
-        planting.slips,
+        planner.slips,
     )
 
 

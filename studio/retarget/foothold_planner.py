@@ -29,7 +29,7 @@ AS_PLANNED = ContactConfig()
 """For feet that are where they are planned to be."""
 
 
-class Planting:
+class FootholdPlanner:
     """Remembers feet, root, heading and the last pose; `start` forgets. One thread."""
 
     def __init__(self, settings: RetargetSettings | None = None) -> None:

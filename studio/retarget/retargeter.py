@@ -15,7 +15,7 @@ from studio.human.pose import HumanPose
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.retarget.experts import EXPERTS
-from studio.retarget.foothold_planner import Planting
+from studio.retarget.foothold_planner import FootholdPlanner
 from studio.retarget.mapper import Mapped
 from studio.retarget.selector import (
     SELECTOR_CUTOFF_HZ,
@@ -74,8 +74,8 @@ class Retargeter:
         self.extractor = FeatureExtractor(calibration or Calibration(), mirror=mirror)
         self.selector = Selector(experts.prototypes, selector)
         self._filter = TripletFilter(SELECTOR_CUTOFF_HZ, a1.CONTROL_DT)
-        self._planting = Planting(settings)
-        self._planting.stride_gain = experts.stride_gain
+        self._planner = FootholdPlanner(settings)
+        self._planner.stride_gain = experts.stride_gain
         self.reset()
 
     @staticmethod
@@ -97,17 +97,17 @@ class Retargeter:
         self._features: Features | None = None
         self._choice: Choice | None = None
         self._first, self._silence, self._ease = True, 0.0, 1.0
-        self._planting.start("stand")
+        self._planner.start("stand")
         self._begin()
 
     @property
     def settings(self) -> RetargetSettings:
         """Tilt gain, dead zone and speed cap; may be replaced at any time."""
-        return self._planting.settings
+        return self._planner.settings
 
     @settings.setter
     def settings(self, settings: RetargetSettings) -> None:
-        self._planting.settings = settings
+        self._planner.settings = settings
 
     def set_expert(self, name: str | None) -> None:
         """Lock the state (None: automatic). StudioError for an unknown name."""
@@ -117,7 +117,7 @@ class Retargeter:
         """Other experts from the next frame on; person, place and lock stay."""
         lock, config = self.selector.lock, self.selector.config
         self.experts = experts
-        self._planting.stride_gain = experts.stride_gain
+        self._planner.stride_gain = experts.stride_gain
         self.selector = Selector(experts.prototypes, config)
         self.selector.set_lock(lock)
         self._begin()
@@ -153,18 +153,18 @@ class Retargeter:
         # Whoever locks a state wants it driven, however far the motion is from the training data.
         unknown = choice.expert == "unknown" and self.selector.lock is None
         self._ease_on(unknown or self._silence > HOLD, dt)
-        reference, clipped = self._planting.last, False
+        reference, clipped = self._planner.last, False
         contact_prob = reference.foot_contact
-        expert = self.experts.mappers[self._planting.state]
+        expert = self.experts.mappers[self._planner.state]
         mapped = None if watch and not expert.remembers else self._expert(triplet)
         lap("mapper")
         if mapped is not None and not watch:
             contact_prob = mapped.contact_prob
-            reference, clipped = self._planting.step(self._toward_neutral(mapped), dt)
+            reference, clipped = self._planner.step(self._toward_neutral(mapped), dt)
         lap("consistency")
         return Retargeted(
             expert=choice.expert,
-            active=self._planting.state,
+            active=self._planner.state,
             votes=choice.votes,
             distance=choice.distance,
             reference=reference,
@@ -177,17 +177,17 @@ class Retargeter:
     def _enter(self, state: StateName) -> None:
         """Make `state` the active one: the first time in its neutral pose, later by moving."""
         if self._first:
-            self._planting.start(state)
+            self._planner.start(state)
             self._first = False
-        elif state == self._planting.state:
+        elif state == self._planner.state:
             return
         else:
-            self._planting.enter(state)
+            self._planner.enter(state)
         self._begin()
 
     def _begin(self) -> None:
         """The active state's expert starts on a new stretch of motion."""
-        self._expert = self.experts.mappers[self._planting.state].begin()
+        self._expert = self.experts.mappers[self._planner.state].begin()
 
     def continue_from(self, pose: RobotPose, yaw: float) -> None:
         """Go on from `pose`, where a transition or a hold has left the robot, feet and all.
@@ -195,7 +195,7 @@ class Retargeter:
         yaw: rad, the way its feet face there.
         """
         self._first = False
-        self._planting.continue_from(pose, yaw)
+        self._planner.continue_from(pose, yaw)
 
     def _ease_on(self, lost: bool, dt: float) -> None:
         """Towards neutral while the person is lost, and back."""
@@ -206,7 +206,7 @@ class Retargeter:
         s = self._ease * self._ease * (3.0 - 2.0 * self._ease)
         if s >= 1.0:
             return mapped
-        rest = NEUTRAL[self._planting.state]
+        rest = NEUTRAL[self._planner.state]
         return Mapped(
             joint_pos=rest.joint_pos + s * (mapped.joint_pos - rest.joint_pos),
             base_quat=geometry.quat_slerp(rest.base_quat, mapped.base_quat, np.float64(s)),
@@ -218,17 +218,17 @@ class Retargeter:
     @property
     def slips(self) -> int:
         """Locked feet that could not be held and were locked anew, since the start."""
-        return self._planting.slips
+        return self._planner.slips
 
     def _idle(self, timings: Mapping[str, float]) -> Retargeted:
         share = {name: 0.0 for name in EXPERTS}
         return Retargeted(
             expert="unknown",
-            active=self._planting.state,
+            active=self._planner.state,
             votes=share,
             distance=float("inf"),
-            reference=self._planting.last,
-            contact_prob=self._planting.last.foot_contact,
+            reference=self._planner.last,
+            contact_prob=self._planner.last.foot_contact,
             clipped=False,
             features=None,
             timings_ms=dict(timings),

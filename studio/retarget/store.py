@@ -12,7 +12,7 @@ from safetensors.numpy import load_file
 
 from studio.errors import StudioError, unknown_name
 from studio.human.features import FEATURE_DIM
-from studio.paths import carried
+from studio.paths import package_folder
 from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import Expert, Mapper
 from studio.retarget.selector import Prototypes
@@ -28,7 +28,7 @@ BASE_STYLE = "march"
 """Styles differ in walking only: whatever a style has no weights of its own for is as in this one.
 So standing and sitting are the same weights in all, and "semantic" shares the selector too."""
 
-MODELS = carried("models")
+MODELS = package_folder("models")
 """The shipped weights."""
 
 

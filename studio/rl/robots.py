@@ -32,7 +32,7 @@ class TrackingRobots:
     """
 
     def __init__(self, config: EnvConfig, bank: MotionBank, seed: int) -> None:
-        """seed: of the physics' own dice (control-period jitter)."""
+        """seed: of the physics' own RNG (control-period jitter)."""
         n = config.num_envs
         self.config, self.bank, self.num_envs = config, bank, n
         legs = bank.leg_contact if config.leg_contact is None else config.leg_contact

@@ -28,7 +28,7 @@ def check_device(name: str) -> None:
 
 
 def random_states(device: str) -> dict[str, torch.Tensor]:
-    """torch's dice by name: the processor's, and those of the device that actions are drawn on."""
+    """torch's RNG states by name: of the processor, and of the device that draws actions."""
     states = {"torch_random_state": torch.get_rng_state()}
     if device != "cpu":
         with torch.accelerator.device_index(torch.device(device).index):
@@ -37,7 +37,7 @@ def random_states(device: str) -> dict[str, torch.Tensor]:
 
 
 def restore_random_states(device: str, states: dict[str, torch.Tensor]) -> None:
-    """The reverse of `random_states`; a device whose dice were not written down keeps its own."""
+    """The reverse of `random_states`; a device whose RNG state was not saved keeps its own."""
     torch.set_rng_state(states["torch_random_state"])
     if device != "cpu" and "device_random_state" in states:
         with torch.accelerator.device_index(torch.device(device).index):

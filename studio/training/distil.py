@@ -19,7 +19,7 @@ from studio.control.symmetry import observation_mirror
 from studio.rl.env import ImitationEnv
 from studio.rl.teacher import TeacherConfig, teacher_action
 from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
-from studio.training.parallel import ALONE, Crew
+from studio.training.parallel import SINGLE_PROCESS, ProcessGroup
 from studio.training.ppo import mirror_tensors
 
 log = logging.getLogger(__name__)
@@ -53,10 +53,10 @@ class Distiller:
         alg: PPO,
         env: ImitationEnv,
         config: DistilConfig = DistilConfig(),
-        crew: Crew = ALONE,
+        group: ProcessGroup = SINGLE_PROCESS,
         teacher: Teacher | None = None,
     ) -> None:
-        self.alg, self.env, self.config, self.crew = alg, env, config, crew
+        self.alg, self.env, self.config, self.group = alg, env, config, group
         self.teacher = teacher or partial(teacher_action, config=config.teacher)
         parameters = list(alg.actor.mlp.parameters())
         self.optimizer = torch.optim.Adam(parameters, lr=config.learning_rate)
@@ -65,7 +65,7 @@ class Distiller:
         self.mirror = mirror_tensors(observation_mirror(env.config.observation), self.device)
         self.joints = mirror_tensors((MIRROR_JOINT, MIRROR_SIGN), self.device)
         self.weight = torch.tensor([config.hip_weight, 1.0, 1.0], device=self.device).repeat(4)
-        self.rng = np.random.default_rng(crew.rank)
+        self.rng = np.random.default_rng(group.rank)
 
     def lesson(self, progress: float) -> dict[str, float]:
         """Act, ask, learn; progress in [0, 1] of all lessons. Mean error and tracking figures."""
@@ -111,7 +111,7 @@ class Distiller:
             loss = (self.weight * error.square()).mean()
             self.optimizer.zero_grad()
             loss.backward()
-            self.crew.average_gradients(list(self.alg.actor.mlp.parameters()))
+            self.group.average_gradients(list(self.alg.actor.mlp.parameters()))
             torch.nn.utils.clip_grad_norm_(self.alg.actor.mlp.parameters(), 1.0)
             self.optimizer.step()
             losses.append(float(loss.detach()))

@@ -20,14 +20,14 @@ SEED_STEP = 7919
 
 
 @dataclass(frozen=True, kw_only=True)
-class Crew:
+class ProcessGroup:
     """rank: this process, from 0. size: how many there are."""
 
     rank: int = 0
     size: int = 1
 
     @property
-    def first(self) -> bool:
+    def is_main(self) -> bool:
         """The one that writes and decides."""
         return self.rank == 0
 
@@ -43,7 +43,7 @@ class Crew:
             return None
         return {"global_rank": self.rank, "local_rank": self.rank, "world_size": self.size}
 
-    def agreed(self, value: float) -> float:
+    def broadcast(self, value: float) -> float:
         """The first process's value, in all of them."""
         if self.size == 1:
             return value
@@ -63,17 +63,17 @@ class Crew:
             grad.copy_(part.view_as(grad))
 
 
-ALONE = Crew()
+SINGLE_PROCESS = ProcessGroup()
 
 
-def join() -> Crew:
-    """The crew torchrun started us in (its RANK and WORLD_SIZE); alone without it."""
+def join() -> ProcessGroup:
+    """The process group torchrun started us in (its RANK and WORLD_SIZE); alone without it."""
     size = int(os.environ.get("WORLD_SIZE", "1"))
     if size == 1:
-        return Crew()
+        return ProcessGroup()
     if not distributed.is_initialized():
         distributed.init_process_group("gloo")
-    return Crew(rank=distributed.get_rank(), size=size)
+    return ProcessGroup(rank=distributed.get_rank(), size=size)
 
 
 def leave() -> None:

@@ -15,7 +15,7 @@ from safetensors.numpy import save_file
 
 from studio.control.policy import save_policy
 from studio.training.device import threads
-from studio.training.parallel import Crew, join, leave
+from studio.training.parallel import ProcessGroup, join, leave
 from studio.training.policy_settings import PolicyTraining
 from studio.training.policy_trainer import PolicyTrainer
 from studio.training.stages import publish, stages_of
@@ -28,8 +28,8 @@ def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
 
     Until `samples` of each, or `hours` in all; with `resume` each goes on where it stopped.
     """
-    crew = join()
-    stages = stages_of(replace(config, threads=config.threads or crew.threads))
+    group = join()
+    stages = stages_of(replace(config, threads=config.threads or group.threads))
     began = time.monotonic()
     answer: dict[str, Any] = {}
     with threads(stages[0].threads):  # the command line keeps torch on one, for the live loop
@@ -39,26 +39,26 @@ def run_train_policy(config: PolicyTraining) -> dict[str, Any]:
             # A later stage may not have been reached; that a first one was not is worth saying.
             resume = stage.resume and (begun or k == 0)
             log.info("stage %d of %d: %s", k + 1, len(stages), stage.folder)
-            answer = _run(replace(stage, hours=left, resume=resume), crew)
+            answer = _run(replace(stage, hours=left, resume=resume), group)
             if answer["samples"] < stage.samples:
                 break  # its hours were over
     leave()
-    if config.publish and crew.first and answer["samples"] >= stages[-1].samples:
+    if config.publish and group.is_main and answer["samples"] >= stages[-1].samples:
         publish(stages)
     return answer
 
 
-def _run(config: PolicyTraining, crew: Crew) -> dict[str, Any]:
+def _run(config: PolicyTraining, group: ProcessGroup) -> dict[str, Any]:
     from torch.utils.tensorboard.writer import SummaryWriter
 
     folder = config.folder
     saved = folder / "checkpoint.safetensors"
-    trainer = PolicyTrainer(config, crew=crew)
+    trainer = PolicyTrainer(config, group=group)
     if config.resume or config.checkpoint:
         trainer.restore(config.checkpoint or saved)
         if config.explore:
             trainer.explore(config.explore)
-    writer = SummaryWriter(str(folder)) if crew.first else None
+    writer = SummaryWriter(str(folder)) if group.is_main else None
 
     began = last_save = time.monotonic()
     first = trainer.samples
@@ -81,7 +81,7 @@ def _run(config: PolicyTraining, crew: Crew) -> dict[str, Any]:
         _keep(trainer, {"stage": float(trainer.env.env.curriculum.level)}, folder)
     figures: dict[str, float] = {}
     while trainer.samples < config.samples:
-        if crew.agreed(time.monotonic() - began) >= 3600.0 * config.hours:
+        if group.broadcast(time.monotonic() - began) >= 3600.0 * config.hours:
             break
         figures = trainer.step()
         write(figures)
@@ -108,7 +108,7 @@ def _brief(figures: dict[str, float]) -> str:
 
 def _keep(trainer: PolicyTrainer, figures: dict[str, float], folder: Path) -> None:
     """Checkpoint, weights and one point of the curve, by the first process."""
-    if not trainer.crew.first:
+    if not trainer.group.is_main:
         return
     keep = ("reward", "joint_rmse_deg", "tracked_time_ratio", "fall_rate", "stage")
     point = {k: round(figures[k], 4) for k in keep if k in figures}

@@ -21,7 +21,7 @@ from studio.training import checkpoint
 from studio.training.device import random_states, restore_random_states
 from studio.training.distil import Distiller
 from studio.training.machine import commit, machine
-from studio.training.parallel import ALONE, SEED_STEP, Crew
+from studio.training.parallel import SEED_STEP, SINGLE_PROCESS, ProcessGroup
 from studio.training.policy_settings import PolicyTraining, algorithm_of, make_environment
 from studio.training.ppo import TorchEnv, collect, make_algorithm
 
@@ -33,15 +33,18 @@ class PolicyTrainer:
     """One run: environment, algorithm, counts. `step` is one iteration; one thread only."""
 
     def __init__(
-        self, config: PolicyTraining, env: ImitationEnv | None = None, crew: Crew = ALONE
+        self,
+        config: PolicyTraining,
+        env: ImitationEnv | None = None,
+        group: ProcessGroup = SINGLE_PROCESS,
     ) -> None:
         torch.manual_seed(config.seed)
-        self.config, self.crew = config, crew
+        self.config, self.group = config, group
         self.ppo = algorithm_of(config)
-        own = config.seed + SEED_STEP * crew.rank
+        own = config.seed + SEED_STEP * group.rank
         self.env = TorchEnv(env or make_environment(config, seed=own), config.device)
         self.env.env.reset()
-        self.alg = make_algorithm(self.env, self.ppo, crew)
+        self.alg = make_algorithm(self.env, self.ppo, group)
         torch.manual_seed(own)  # exploration is everyone's own
         self.alg.train_mode()
         self.samples, self.seconds, self.iteration = 0, 0.0, 0
@@ -57,8 +60,8 @@ class PolicyTrainer:
         env.restart()
         teacher = LearnedTeacher(self.config.teacher) if self.config.teacher else None
         by = "analytic" if teacher is None else "learned"
-        distiller = Distiller(self.alg, env, crew=self.crew, teacher=teacher)
-        each = env.num_envs * distiller.config.horizon * self.crew.size
+        distiller = Distiller(self.alg, env, group=self.group, teacher=teacher)
+        each = env.num_envs * distiller.config.horizon * self.group.size
         while self.samples < lessons:
             began = time.perf_counter()
             figures = distiller.lesson(self.samples / lessons)
@@ -87,7 +90,7 @@ class PolicyTrainer:
         # The adaptive rate may run up where there is little to learn; the critic shares it.
         self.alg.learning_rate = min(self.alg.learning_rate, self.ppo.max_learning_rate)
         spent = time.perf_counter() - began
-        each = self.env.num_envs * self.ppo.horizon * self.crew.size
+        each = self.env.num_envs * self.ppo.horizon * self.group.size
         self.samples += each
         self.seconds += spent
         self.iteration += 1
@@ -105,7 +108,7 @@ class PolicyTrainer:
     def _agree(self) -> None:
         """Every process trains on the stage that the first one has reached."""
         curriculum = self.env.env.curriculum
-        level = int(self.crew.agreed(curriculum.level))
+        level = int(self.group.broadcast(curriculum.level))
         if level != curriculum.level:
             curriculum.load({"level": level, "episodes": 0, "ratio": 0.0})
             self.env.env.follow_curriculum()
@@ -178,7 +181,7 @@ class PolicyTrainer:
         self.iteration, self.curve = int(facts["iteration"]), list(facts["curve"])
         self.env.env.curriculum.load(facts["curriculum"])
         self.env.env.restart()
-        if self.crew.first:  # the others' dice were never written down: theirs are thrown anew
+        if self.group.is_main:  # of the others no RNG state was saved: they keep their seed's
             self.env.env.rng.bit_generator.state = facts["random_state"]
             restore_random_states(self.env.device, tensors)
         self.obs = self.env.present()

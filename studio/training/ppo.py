@@ -15,7 +15,7 @@ from studio.rl.env import ImitationEnv
 from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 from studio.training.device import threads
 from studio.training.learner import Learner
-from studio.training.parallel import ALONE, Crew
+from studio.training.parallel import SINGLE_PROCESS, ProcessGroup
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,7 +112,7 @@ def _with_mirror(x: torch.Tensor, index: torch.Tensor, sign: torch.Tensor) -> to
     return torch.cat([x, x.index_select(-1, index) * sign])
 
 
-def make_algorithm(env: TorchEnv, ppo: PpoConfig, crew: Crew = ALONE) -> PPO:
+def make_algorithm(env: TorchEnv, ppo: PpoConfig, group: ProcessGroup = SINGLE_PROCESS) -> PPO:
     """rsl-rl's PPO with an asymmetric critic, observation normalisation and mirrored copies."""
     network = {
         "class_name": "rsl_rl.models:MLPModel",
@@ -154,7 +154,7 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig, crew: Crew = ALONE) -> PPO:
         "actor": {**network, "distribution_cfg": gaussian},
         "critic": dict(network),
         "algorithm": algorithm,
-        "multi_gpu": crew.settings,
+        "multi_gpu": group.settings,
     }
     with contextlib.redirect_stdout(io.StringIO()):  # the library prints its models
         alg = PPO.construct_algorithm(env.present(), cast(Any, env), settings, env.device)
@@ -166,7 +166,7 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig, crew: Crew = ALONE) -> PPO:
     with torch.no_grad():
         last.weight.mul_(0.01)
         last.bias.zero_()
-    if crew.size > 1:
+    if group.size > 1:
         alg.broadcast_parameters()
     return alg
 

@@ -15,7 +15,7 @@ from starlette.types import ASGIApp
 
 import studio
 from studio.live.command import misfit
-from studio.paths import carried
+from studio.paths import package_folder
 from studio.web.access import AccessMiddleware
 from studio.web.answers import with_messages
 from studio.web.collect_api import collect_router
@@ -34,7 +34,7 @@ from studio.web.train_api import train_router
 
 def assets_folder() -> Path:
     """The page's files: beside the sources, or beside the package in an installation."""
-    folder = carried("web_assets")
+    folder = package_folder("web_assets")
     if (folder / "index.html").is_file():
         return folder
     raise FileNotFoundError("web_assets/index.html is missing; install A1 Studio again")

@@ -9,14 +9,14 @@ import pytest
 from studio import geometry, metrics
 from studio.control.controller import Controller, Directive
 from studio.control.footing import facing, feet_w, placed, solve, with_velocity
-from studio.control.transition import MAX_SECONDS, MIN_SECONDS, plan, settle
-from studio.control.ways import (
+from studio.control.interpolation import (
     MAX_JOINT_SPEED,
     least_seconds,
     minimum_jerk,
     trapezoid,
     trapezoid_time,
 )
+from studio.control.transition import MAX_SECONDS, MIN_SECONDS, plan, settle
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
 from studio.reference.stances import NEUTRAL, fit_plane

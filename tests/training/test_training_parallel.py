@@ -10,7 +10,7 @@ import pytest
 
 @pytest.mark.slow
 def test_two_processes_agree_on_the_policy_and_see_different_worlds(tmp_path: Path) -> None:
-    member = Path(__file__).parent / "one_of_a_crew.py"
+    member = Path(__file__).parent / "distributed_worker.py"
     command = [sys.executable, "-m", "torch.distributed.run", "--standalone"]
     done = subprocess.run(
         [*command, "--nproc-per-node", "2", str(member), str(tmp_path)],

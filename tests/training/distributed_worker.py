@@ -1,6 +1,6 @@
 """One process of a distributed training: trains a little and writes down what it ended with.
 
-torchrun --nproc-per-node 2 one_of_a_crew.py FOLDER
+torchrun --nproc-per-node 2 distributed_worker.py FOLDER
 """
 
 import hashlib
@@ -25,17 +25,17 @@ def digest(arrays: dict[str, np.ndarray]) -> str:
 
 
 def main(folder: Path) -> None:
-    crew = join()
+    group = join()
     bank = build_bank("sit", per_task=1, seconds=2.0, difficulties=(0.4, 0.7, 1.0))
     # Stages are left after few episodes, at other moments in each process.
-    curriculum = Curriculum(ladder=stages(bank.tasks), patience=10 + 9 * crew.rank)
+    curriculum = Curriculum(ladder=stages(bank.tasks), patience=10 + 9 * group.rank)
     env = ImitationEnv(
-        EnvConfig(num_envs=16, threads=1), bank, seed=SEED_STEP * crew.rank, curriculum=curriculum
+        EnvConfig(num_envs=16, threads=1), bank, seed=SEED_STEP * group.rank, curriculum=curriculum
     )
     ppo = PpoConfig(horizon=12, epochs=1, minibatch=96, hidden=(32, 32))
     config = PolicyTraining(state="sit", num_envs=16, threads=1, ppo=ppo)
-    trainer = PolicyTrainer(config, env, crew)
-    trainer.teach(2 * 16 * 24 * crew.size, lambda _: None)
+    trainer = PolicyTrainer(config, env, group)
+    trainer.teach(2 * 16 * 24 * group.size, lambda _: None)
     curriculum.load({"level": 0, "episodes": 0, "ratio": 0.0})
     env.restart()
     for _ in range(12):
@@ -48,7 +48,7 @@ def main(folder: Path) -> None:
         "samples": trainer.samples,
         "observations": digest({"o": env.observation()}),
     }
-    (folder / f"{crew.rank}.json").write_text(json.dumps(report))
+    (folder / f"{group.rank}.json").write_text(json.dumps(report))
     leave()
 
 

@@ -54,7 +54,7 @@ def trapezoid_time(u: float) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Way:
+class PoseInterpolation:
     """From one key pose to the next; `legs`: what each leg does; feet: (4, 3) m, world, of both."""
 
     start: RobotPose
@@ -125,7 +125,7 @@ class Way:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Haunches(Way):
+class RearLegPivot(PoseInterpolation):
     """Between leaning and sitting: the trunk turns on the rear legs, whose calves lie on the floor.
 
     The thighs stay leaned back until the trunk is nearly up (cubic in its turn): else the centre
@@ -177,7 +177,7 @@ _GAPS = np.stack([np.full(24, 1.0 / 24.0), np.diff([trapezoid_time(u) for u in _
 """Shares of the way, and of the time between them (2, 24, 1): by minimum jerk, and hurried."""
 
 
-def least_seconds(ways: Sequence[Way]) -> Array:
+def least_seconds(ways: Sequence[PoseInterpolation]) -> Array:
     """(W, 2) s that each way takes its fastest joint at MAX_JOINT_SPEED: by minimum jerk, and
     hurried (by `trapezoid`, a third sooner).
 

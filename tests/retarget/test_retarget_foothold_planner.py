@@ -1,4 +1,4 @@
-"""Planting: contact before temporal consistency, the root on its feet, turns only in walking."""
+"""Footholds: contact before temporal consistency, the root on its feet, turns only in walking."""
 
 from dataclasses import replace
 
@@ -8,7 +8,7 @@ import pytest
 from studio import geometry
 from studio.reference.stances import NEUTRAL, tilted
 from studio.retarget.experts import EXPERTS
-from studio.retarget.foothold_planner import TURN_MAX, Planting
+from studio.retarget.foothold_planner import TURN_MAX, FootholdPlanner
 from studio.retarget.mapper import NUM_RATES, RATES, Mapped
 from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
 from studio.robot import a1, kinematics
@@ -30,22 +30,22 @@ def resting(state: str, **changes: np.ndarray) -> Mapped:
 
 @pytest.mark.parametrize("state", list(EXPERTS))
 def test_at_rest_every_state_stays_in_its_neutral_pose(state: str):
-    planting = Planting()
-    planting.start(state)  # type: ignore[arg-type]
+    planner = FootholdPlanner()
+    planner.start(state)  # type: ignore[arg-type]
     for _ in range(60):
-        pose, clipped = planting.step(resting(state), DT)
+        pose, clipped = planner.step(resting(state), DT)
     np.testing.assert_allclose(pose.base_pos, NEUTRAL[state].base_pos, atol=1e-3)  # type: ignore[index]
     np.testing.assert_allclose(pose.joint_pos, NEUTRAL[state].joint_pos, atol=1e-2)  # type: ignore[index]
     assert not clipped
-    assert planting.slips == 0
+    assert planner.slips == 0
 
 
 @pytest.mark.parametrize("state", list(EXPERTS))
 def test_no_joint_is_faster_than_its_expert_allows_whatever_the_network_says(state: str):
     rng = np.random.default_rng(0)
-    planting = Planting()
-    planting.start(state)  # type: ignore[arg-type]
-    last = planting.last.joint_pos
+    planner = FootholdPlanner()
+    planner.start(state)  # type: ignore[arg-type]
+    last = planner.last.joint_pos
     cut = 0
     for _ in range(60):
         wild = resting(
@@ -54,7 +54,7 @@ def test_no_joint_is_faster_than_its_expert_allows_whatever_the_network_says(sta
             base_quat=geometry.normalize(rng.normal(size=4)),
             contact_prob=rng.random(4),
         )
-        pose, clipped = planting.step(wild, DT)
+        pose, clipped = planner.step(wild, DT)
         speed = np.abs(pose.joint_pos - last).max() / DT
         assert speed <= EXPERTS[state].speed_limit + 1e-9  # type: ignore[index]
         assert np.all(pose.joint_pos >= a1.JOINT_LOWER - 1e-9)
@@ -65,13 +65,13 @@ def test_no_joint_is_faster_than_its_expert_allows_whatever_the_network_says(sta
 
 
 def test_a_tilt_leaves_the_standing_feet_where_they_are():
-    planting = Planting()
+    planner = FootholdPlanner()
     before = kinematics.foot_pos_w(
-        planting.last.base_pos, planting.last.base_quat, planting.last.joint_pos
+        planner.last.base_pos, planner.last.base_quat, planner.last.joint_pos
     )
     quat = tilted("stand", np.radians([8.0, 10.0, 12.0]))
     for _ in range(60):
-        pose, _ = planting.step(resting("stand", base_quat=quat), DT)
+        pose, _ = planner.step(resting("stand", base_quat=quat), DT)
     feet = kinematics.foot_pos_w(pose.base_pos, pose.base_quat, pose.joint_pos)
     np.testing.assert_allclose(feet, before, atol=1e-3)
     assert np.degrees(geometry.quat_angle(pose.base_quat, quat)) < 0.1
@@ -79,36 +79,36 @@ def test_a_tilt_leaves_the_standing_feet_where_they_are():
 
 def test_only_walking_turns_and_slow_turns_are_nobodys_wish():
     for state, rate, turned in (("stand", 0.2, False), ("walk", 0.2, True), ("walk", 0.05, False)):
-        planting = Planting()
-        planting.start(state)  # type: ignore[arg-type]
+        planner = FootholdPlanner()
+        planner.start(state)  # type: ignore[arg-type]
         rates = np.zeros(NUM_RATES)
         rates[RATES["base_ang_vel"]] = [0.0, 0.0, rate]
         air = np.zeros(4)  # nothing stands, so that nothing holds the heading back
         for _ in range(90):
-            pose, _ = planting.step(resting(state, rates=rates, contact_prob=air), DT)
+            pose, _ = planner.step(resting(state, rates=rates, contact_prob=air), DT)
         assert (geometry.heading(pose.base_quat) > 0.1) == turned
 
 
 def test_turning_is_never_faster_than_the_library_turns():
-    planting = Planting()
-    planting.start("walk")
+    planner = FootholdPlanner()
+    planner.start("walk")
     rates = np.zeros(NUM_RATES)
     rates[RATES["base_ang_vel"]] = [0.0, 0.0, 3.0]
     for _ in range(90):
-        pose, _ = planting.step(resting("walk", rates=rates, contact_prob=np.zeros(4)), DT)
+        pose, _ = planner.step(resting("walk", rates=rates, contact_prob=np.zeros(4)), DT)
     assert geometry.heading(pose.base_quat) <= 3.0 * TURN_MAX + 1e-6
 
 
 def test_going_on_from_elsewhere_keeps_place_and_heading():
-    planting = Planting()
+    planner = FootholdPlanner()
     there = replace(
         NEUTRAL["stand"],
         base_pos=np.array([1.0, -2.0, a1.STAND_HEIGHT]),
         base_quat=geometry.quat_from_rpy([0.0, 0.0, 0.7]),
     )
-    planting.continue_from(there, 0.7)
+    planner.continue_from(there, 0.7)
     for _ in range(30):
-        pose, clipped = planting.step(resting("stand"), DT)
+        pose, clipped = planner.step(resting("stand"), DT)
     np.testing.assert_allclose(pose.base_pos, there.base_pos, atol=1e-3)
     np.testing.assert_allclose(geometry.heading(pose.base_quat), 0.7, atol=1e-6)
     assert not clipped
