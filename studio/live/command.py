@@ -15,7 +15,7 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 from studio.errors import StudioError, unknown_name
 
 if TYPE_CHECKING:
-    from studio.live.session import Session
+    from studio.live.runtime import Runtime
 
 T = TypeVar("T")
 Made = dict[str, Any]
@@ -43,11 +43,11 @@ class Command(BaseModel, ABC):
         """There is something to open, read or draw before the loop's thread can apply it."""
         return type(self).prepare is not Command.prepare
 
-    def prepare(self, session: "Session") -> Any:
+    def prepare(self, runtime: "Runtime") -> Any:
         """Open, read or draw what `apply` needs; any thread. StudioError says what is not there."""
 
     @abstractmethod
-    def apply(self, session: "Session", now: float, prepared: Any) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: Any) -> Made:
         """Do it, on the loop's thread; StudioError says why not. Returns what it made, if anything.
 
         now: s on the loop's clock. prepared: what `prepare` returned.

@@ -13,7 +13,7 @@ from studio.live import commands as c
 from studio.live.clock import Clock, Metronome, WallClock
 from studio.live.faults import Faults
 from studio.live.mailbox import BoundedQueue, Latest
-from studio.live.session import Session, SessionConfig
+from studio.live.runtime import Runtime, RuntimeConfig
 from studio.live.state import latches, state_dict
 from studio.sources import TakesNoFrames
 from studio.takes.tick import Tick
@@ -48,11 +48,11 @@ class LiveLoop:
 
     def __init__(
         self,
-        config: SessionConfig | None = None,
+        config: RuntimeConfig | None = None,
         clock: Clock | None = None,
-        session: Session | None = None,
+        runtime: Runtime | None = None,
     ) -> None:
-        self.session = session or Session(config or SessionConfig())
+        self.runtime = runtime or Runtime(config or RuntimeConfig())
         self.clock = clock or WallClock()
         self.ticks: Latest[Tick] = Latest()
         self.period_error_ms: deque[float] = deque(maxlen=3000)
@@ -70,9 +70,9 @@ class LiveLoop:
         self._thread: threading.Thread | None = None
 
     @property
-    def config(self) -> SessionConfig:
+    def config(self) -> RuntimeConfig:
         """Where takes are, and how to drive, as of now."""
-        return self.session.config
+        return self.runtime.config
 
     # From any thread ----------------------------------------------------------------------------
 
@@ -87,7 +87,7 @@ class LiveLoop:
         """
         seen = self.stops if seen is None else seen
         try:
-            prepared = command.prepare(self.session)
+            prepared = command.prepare(self.runtime)
         except StudioError as error:
             return c.Result(ok=False, why=str(error), state=self.state_dict())
         request = _Request(command=command, seen=seen, prepared=prepared)
@@ -110,23 +110,23 @@ class LiveLoop:
 
     def beat(self, page: str) -> None:
         """The page in control lives."""
-        self.session.safety.beat(page, self.clock.now())
+        self.runtime.safety.beat(page, self.clock.now())
 
     def silent(self, page: str) -> bool:
         """The page held control and has gone silent."""
-        return self.session.safety.silent(page, self.clock.now())
+        return self.runtime.safety.silent(page, self.clock.now())
 
     def push_frame(self, raw: object) -> None:
         """One human frame for the source `stream`; StudioError says what is wrong with it."""
         try:
-            self.session.source.push(raw)
+            self.runtime.source.push(raw)
         except TakesNoFrames:
             self._refused += 1
             raise
 
     def new_sender(self) -> None:
         """Another client starts to send frames: its skeleton and clock are its own."""
-        self.session.source.new_sender()
+        self.runtime.source.new_sender()
 
     def state_dict(self) -> dict[str, Any]:
         """The object of GET /api/state, as of the last tick."""
@@ -151,7 +151,7 @@ class LiveLoop:
         if self._thread is not None:
             self._thread.join(timeout=5.0)
             self._thread = None
-            self.session.close()
+            self.runtime.close()
 
     def _run(self) -> None:
         interval = sys.getswitchinterval()
@@ -180,8 +180,8 @@ class LiveLoop:
         late, dropped = self._metronome.late, self._metronome.dropped
         error = self._metronome.wait(self._stop_waits, self._stop_now)
         if self._metronome.dropped > dropped:
-            self.session.reading.slip(self._metronome.dropped - dropped)
-        self.session.safety.period(late=self._metronome.late > late)
+            self.runtime.reading.slip(self._metronome.dropped - dropped)
+        self.runtime.safety.period(late=self._metronome.late > late)
         self.period_error_ms.append(1e3 * abs(error))
 
     def tick(self) -> None:
@@ -191,25 +191,25 @@ class LiveLoop:
         requests = self._requests.drain() + self._stops.drain()
         self._apply_all(requests, now)
         try:
-            tick = self._with_loop_counters(self.session.step(now))
+            tick = self._with_loop_counters(self.runtime.step(now))
             self.ticks.publish(tick)
-            self._state = state_dict(self.session, tick, now, self.period_error_ms)
+            self._state = state_dict(self.runtime, tick, now, self.period_error_ms)
         except Exception as error:
             self.faults.tell("a control period failed; the robot is stopped", error)
-            if not self.session.safety.stopped:
-                self.session.safety.stop(f"a fault: {error}", "fault")
-            self._state = {**self._state, **latches(self.session.safety)}
+            if not self.runtime.safety.stopped:
+                self.runtime.safety.stop(f"a fault: {error}", "fault")
+            self._state = {**self._state, **latches(self.runtime.safety)}
         self._answer(requests)
 
     def _stop_now(self) -> None:
         """A stop does not wait for the next period to be answered, only to be acted on."""
         stops = self._stops.drain()
         self._apply_all(stops, self.clock.now())
-        self._state = {**self._state, **latches(self.session.safety)}
+        self._state = {**self._state, **latches(self.runtime.safety)}
         self._answer(stops)
 
     def _answer(self, requests: list[_Request]) -> None:
-        self.stops = self.session.safety.stops
+        self.stops = self.runtime.safety.stops
         for request in requests:
             request.result = replace(request.result, state=self._state)
             request.done.set()
@@ -220,10 +220,10 @@ class LiveLoop:
 
     def _apply(self, request: _Request, now: float) -> c.Result:
         command = request.command
-        if command.releases and request.seen < self.session.safety.stops:
+        if command.releases and request.seen < self.runtime.safety.stops:
             return c.Result(ok=False, why="a stop came after this was sent: send it again")
         try:
-            return c.Result(ok=True, data=command.apply(self.session, now, request.prepared))
+            return c.Result(ok=True, data=command.apply(self.runtime, now, request.prepared))
         except StudioError as error:
             return c.Result(ok=False, why=str(error))
         except Exception as error:

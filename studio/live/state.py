@@ -10,8 +10,8 @@ from studio.takes.as_json import part
 from studio.takes.tick import Tick
 
 if TYPE_CHECKING:
+    from studio.live.runtime import Runtime
     from studio.live.safety import Safety
-    from studio.live.session import Session
 
 WINDOW = 300
 """Control periods over which the loop's punctuality is told: 10 s."""
@@ -33,24 +33,24 @@ def latches(safety: "Safety") -> dict[str, Any]:
 
 
 def state_dict(
-    session: "Session", tick: Tick, now: float, period_error_ms: deque[float]
+    runtime: "Runtime", tick: Tick, now: float, period_error_ms: deque[float]
 ) -> dict[str, Any]:
     """The keys of docs/contract.md, and what a page shows besides. now: s on the loop's clock."""
-    puppeteer, safety, replay = session.puppeteer, session.safety, session.replay
+    puppeteer, safety, replay = runtime.puppeteer, runtime.safety, runtime.replay
     extractor = puppeteer.retargeter.extractor
     of_tick, stale = part("tick", tick, "json"), safety.stale_s(now)
     late = list(islice(reversed(period_error_ms), WINDOW)) or [0.0]
     p50, p95, p99 = np.percentile(late, [50, 95, 99]).tolist()
     return {
-        "mode": session.mode,
+        "mode": runtime.mode,
         **latches(safety),
         **{key: of_tick[key] for key in _OF_TICK},
         "state_lock": puppeteer.lock or "auto",
-        "reason": session.reason,
+        "reason": runtime.reason,
         "stale_s": None if stale is None else round(stale, 3),
-        "source": session.source.name,
-        "source_report": session.source.report.and_refused(puppeteer.person.refused).as_dict(),
-        "scene": session.scene,
+        "source": runtime.source.name,
+        "source_report": runtime.source.report.and_refused(puppeteer.person.refused).as_dict(),
+        "scene": runtime.scene,
         "latency_ms": of_tick["timings_ms"],
         "period_error_ms": {"p50": round(p50, 3), "p95": round(p95, 3), "p99": round(p99, 3)},
         "robot": part("robot", tick.robot, "trace"),
@@ -64,11 +64,11 @@ def state_dict(
             "seconds": round(extractor.calibration.seconds, 1),
         },
         "recording": None
-        if session.recorder.recording is None
-        else {"name": session.recorder.recording, "ticks": session.recorded},
-        "recording_error": session.recording_error,
+        if runtime.recorder.recording is None
+        else {"name": runtime.recorder.recording, "ticks": runtime.recorded},
+        "recording_error": runtime.recording_error,
         "replay": None
-        if session.mode != "replay" or replay is None
+        if runtime.mode != "replay" or replay is None
         else {
             "name": replay.name,
             "t": round(replay.t, 3),
@@ -78,6 +78,6 @@ def state_dict(
             "loop": replay.loop,
             "aligned": replay.aligned,
         },
-        "collect": session.collector.as_dict(),
-        "mapper": session.mappers.as_dict(),
+        "collect": runtime.collector.as_dict(),
+        "mapper": runtime.mappers.as_dict(),
     }

@@ -97,7 +97,7 @@ class Hub:
     def drive(self, page: str, keys: frozenset[str]) -> None:
         """Keys held by the page in control become what the hand-driven operator means."""
         if page == self.desk.holder:
-            self.loop.session.source.set_intent(intent_of(keys))
+            self.loop.runtime.source.set_intent(intent_of(keys))
 
     def close(self) -> None:
         """Let no thread and no process linger."""

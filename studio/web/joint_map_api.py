@@ -42,14 +42,14 @@ def joint_map_router(hub: Hub) -> APIRouter:
         joints: the file's, end sites as "J/end". found: {canonical: [file's joints]}. missing.
         needed: without these it cannot be played. map: what was said by hand.
         """
-        spec = source or hub.loop.session.source.name
+        spec = source or hub.loop.runtime.source.name
         return await worked(_described, hub, spec)
 
     @router.post("/joint-map")
     async def say(body: JointMapBody, request: Request) -> dict[str, Any]:
         """Say which joint is which; kept for every file with the same joints, and the file is made
         the source. Answers the state; 422 with why for a map with which it cannot be read."""
-        spec = body.source or hub.loop.session.source.name
+        spec = body.source or hub.loop.runtime.source.name
         await worked(_said, hub, spec, body.map)
         await hub.apply(SetSource(source=spec), request)
         return hub.state()

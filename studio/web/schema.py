@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from studio.live.loop import LiveLoop
-from studio.live.session import SessionConfig
+from studio.live.runtime import RuntimeConfig
 from studio.web.access import AccessConfig
 from studio.web.desk import ControlDesk
 from studio.web.feed import TickFeed
@@ -17,7 +17,7 @@ from studio.web.keeper import Keeper
 def openapi() -> dict[str, Any]:
     """OpenAPI 3.1 of every path, with what the sockets send among its components."""
     with tempfile.TemporaryDirectory(prefix="a1-studio-") as folder:
-        loop = LiveLoop(SessionConfig(source="operator:quiet", sessions=Path(folder)))
+        loop = LiveLoop(RuntimeConfig(source="operator:quiet", sessions=Path(folder)))
         hub = Hub(
             loop=loop,
             access=AccessConfig(token="none", host="127.0.0.1", port=0),

@@ -21,7 +21,7 @@ from studio.errors import StudioError
 from studio.files import scratch_folder, sweep, sweep_writes
 from studio.live.loop import LiveLoop
 from studio.live.mappers import FOLDER as MAPPERS
-from studio.live.session import SessionConfig
+from studio.live.runtime import RuntimeConfig
 from studio.options import ServeConfig
 from studio.takes.export import adding
 from studio.web.access import EVERYWHERE, LOOPBACK_HOSTS, AccessConfig, checked_names, page_url
@@ -104,7 +104,7 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
             names=names,
             secure=bool(tls),
         )
-        session = SessionConfig(
+        runtime = RuntimeConfig(
             source=config.source,
             sessions=sessions,
             puppeteer=PuppeteerConfig(
@@ -112,7 +112,7 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
             ),
         )
         scratch = stack.enter_context(scratch_folder(SCRATCH))
-        loop = LiveLoop(session)
+        loop = LiveLoop(runtime)
         inner = InnerViser()
         stack.callback(inner.stop)
         view, feed = View(StudioScene(inner.server), loop.ticks), TickFeed(loop.ticks)

@@ -11,7 +11,7 @@ import pytest
 from studio.live import commands as c
 from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop
-from studio.live.session import Session, SessionConfig
+from studio.live.runtime import Runtime, RuntimeConfig
 from studio.live.shown import PlanItem
 from studio.takes.align import lag
 from studio.takes.library import SessionLibrary
@@ -23,10 +23,10 @@ DT = 1.0 / 30.0
 
 @pytest.fixture
 def loop(tmp_path):
-    config = SessionConfig(source="operator", sessions=tmp_path / "sessions")
-    loop = LiveLoop(clock=FakeClock(), session=Session(config))
+    config = RuntimeConfig(source="operator", sessions=tmp_path / "sessions")
+    loop = LiveLoop(clock=FakeClock(), runtime=Runtime(config))
     yield loop
-    loop.session.close()
+    loop.runtime.close()
 
 
 def run(loop, seconds):
@@ -76,9 +76,9 @@ def test_a_collected_take_holds_what_was_shown_and_a_person_who_acts_it_out_late
     assert answer.ok
     assert answer.data["keep"] is True
     assert phase(loop) == "done"
-    motion = loop.session.collector.machine.slots[0].motion
-    person = loop.session.source.person
-    loop.session.close()
+    motion = loop.runtime.collector.machine.slots[0].motion
+    person = loop.runtime.source.person
+    loop.runtime.close()
 
     take = SessionLibrary(loop.config.sessions).read(answer.data["take"])
     assert take.label == "tilt"
@@ -115,7 +115,7 @@ def test_a_full_disk_is_told_when_the_motion_is_over_and_what_was_acted_is_kept(
     collect = loop.state_dict()["collect"]
     assert "No space left" in collect["why"]
     assert loop.state_dict()["recording_error"] == collect["why"]
-    loop.session.close()
+    loop.runtime.close()
     assert len(SessionLibrary(loop.config.sessions).read(collect["take"])) >= 30
 
 
@@ -126,7 +126,7 @@ def test_a_take_knows_its_session_operator_and_calibration(loop):
     ask(loop, c.CollectAction(action="go"))
     until(loop, "review")
     name = ask(loop, c.CollectAction(action="keep")).data["take"]
-    loop.session.close()
+    loop.runtime.close()
     (session,) = SessionBook(loop.config.sessions).list()
     assert session.operator == "Ada"
     assert session.notes == "first day"
@@ -149,7 +149,7 @@ def test_redo_rejects_a_take_and_records_the_same_motion_again(loop):
     assert first["keep"] is False
     until(loop, "review")
     second = ask(loop, c.CollectAction(action="keep")).data
-    loop.session.close()
+    loop.runtime.close()
     kept = {info.name: info.kept for info in SessionLibrary(loop.config.sessions).list()}
     assert kept == {first["take"]: False, second["take"]: True}
 
@@ -161,15 +161,15 @@ def test_what_is_shown_does_not_jump_when_the_robot_has_to_hold(loop):
     ask(loop, c.CollectAction(action="go"))
     until(loop, "record")
     run(loop, 3.0)
-    source = loop.session.source
+    source = loop.runtime.source
     read, source.read = source.read, lambda t: None  # nobody is seen for a second
     run(loop, 1.0)
-    assert not loop.session.puppeteer.controller.following
+    assert not loop.runtime.puppeteer.controller.following
     source.read = read
     until(loop, "review")
     name = ask(loop, c.CollectAction(action="keep")).data["take"]
-    poses = loop.session.collector.machine.slots[0].motion.poses
-    loop.session.close()
+    poses = loop.runtime.collector.machine.slots[0].motion.poses
+    loop.runtime.close()
     recorded = SessionLibrary(loop.config.sessions).read(name).arrays.reference["base_pos"]
     shown = np.array([pose.base_pos for pose in poses])
     assert np.ptp(shown[:, 0]) > 0.3
@@ -186,19 +186,19 @@ def test_an_emergency_stop_throws_the_running_take_away_and_says_so(loop):
     assert ask(loop, c.Stop()).ok
     assert phase(loop) == "ready"
     assert "thrown away" in loop.state_dict()["collect"]["why"]
-    loop.session.close()
+    loop.runtime.close()
     (info,) = SessionLibrary(loop.config.sessions).list()
     assert info.kept is False
 
 
 def test_leaving_collect_gives_the_source_back_and_lets_it_go_on(loop):
     run(loop, 2.0)
-    before = loop.session.source
+    before = loop.runtime.source
     assert ask(loop, c.SetMode(mode="collect")).ok
-    assert loop.session.source is not before
+    assert loop.runtime.source is not before
     run(loop, 3.0)
     assert ask(loop, c.SetMode(mode="live")).ok
-    assert loop.session.source is before
+    assert loop.runtime.source is before
     frames = loop.state_dict()["counters"]["frames"]
     run(loop, 1.0)
     assert loop.state_dict()["counters"]["frames"] == frames + 30

@@ -6,7 +6,7 @@ import pytest
 from studio.live import commands as c
 from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop
-from studio.live.session import Session, SessionConfig
+from studio.live.runtime import Runtime, RuntimeConfig
 
 DT = 1.0 / 30.0
 
@@ -14,8 +14,8 @@ DT = 1.0 / 30.0
 @pytest.fixture
 def make(tmp_path):
     def build(spec) -> LiveLoop:
-        config = SessionConfig(source=spec, sessions=tmp_path / "sessions")
-        return LiveLoop(clock=FakeClock(), session=Session(config))
+        config = RuntimeConfig(source=spec, sessions=tmp_path / "sessions")
+        return LiveLoop(clock=FakeClock(), runtime=Runtime(config))
 
     return build
 
@@ -37,7 +37,7 @@ def knock_over(loop):
     """Throw the trunk aside until it lies."""
     run(loop, 1.0)
     for _ in range(40):
-        loop.session.puppeteer.world.push(np.array([0.0, 6.0, 1.5]))
+        loop.runtime.puppeteer.world.push(np.array([0.0, 6.0, 1.5]))
         if run(loop, 0.3)[-1]["stopped"]:
             return
     raise AssertionError("the robot cannot be knocked over")
@@ -77,7 +77,7 @@ def test_a_stop_pressed_while_the_demo_lies_keeps_it_down(make):
 def test_another_person_who_comes_while_the_demo_lies_finds_it_stopped(make):
     loop = make("operator")
     knock_over(loop)
-    loop.session.mode = "idle"
+    loop.runtime.mode = "idle"
     run(loop, 0.1)
-    loop.session.mode = "live"
+    loop.runtime.mode = "live"
     assert all(s["needs_reset"] for s in run(loop, 5.0))

@@ -10,7 +10,7 @@ from studio.live import commands as c
 from studio.live.clock import FakeClock
 from studio.live.faults import AGAIN_S, RECENT_S, Faults
 from studio.live.loop import LiveLoop
-from studio.live.session import SessionConfig
+from studio.live.runtime import RuntimeConfig
 
 log = logging.getLogger("test")
 
@@ -61,7 +61,7 @@ def test_a_fault_is_recent_for_two_seconds():
 @pytest.fixture
 def loop(tmp_path):
     """A loop on a fake clock that follows a quiet person."""
-    config = SessionConfig(source="operator:quiet", sessions=tmp_path / "sessions")
+    config = RuntimeConfig(source="operator:quiet", sessions=tmp_path / "sessions")
     loop = LiveLoop(config, clock=FakeClock())
     for _ in range(30):
         loop.tick()
@@ -71,7 +71,7 @@ def loop(tmp_path):
 
 
 def test_a_policy_that_says_nan_stops_the_robot_and_fills_no_log(loop, caplog):
-    for policy in loop.session.puppeteer.tracker._policies.values():
+    for policy in loop.runtime.puppeteer.tracker._policies.values():
         policy.layers.weights[0][:] = np.nan
     ticks = loop.ticks.version
     for _ in range(90):
@@ -87,7 +87,7 @@ def test_a_policy_that_says_nan_stops_the_robot_and_fills_no_log(loop, caplog):
 
 
 def test_whatever_fails_in_a_period_stops_the_robot(loop, monkeypatch):
-    monkeypatch.setattr(loop.session, "_collect", fail)
+    monkeypatch.setattr(loop.runtime, "_collect", fail)
     loop.tick()
     state = loop.state_dict()
     assert (state["stopped"], state["armed"]) == (True, False)

@@ -13,7 +13,7 @@ from studio.human.pose import HumanPose
 from studio.live import commands as c
 from studio.live.clock import FakeClock, WallClock
 from studio.live.loop import LiveLoop
-from studio.live.session import Session, SessionConfig
+from studio.live.runtime import Runtime, RuntimeConfig
 from studio.live.source import OpenedSource, open_for
 from studio.robot import a1
 from studio.sources import Source, SourceEnded
@@ -53,11 +53,11 @@ def make(tmp_path):
     """A loop on a fake clock that follows a given source."""
 
     def build(source=None, spec="operator") -> LiveLoop:
-        config = SessionConfig(source=spec, sessions=tmp_path / "sessions")
+        config = RuntimeConfig(source=spec, sessions=tmp_path / "sessions")
         opened = open_for(spec, config.puppeteer, config.sessions)
         if source is not None:
             opened = OpenedSource(source=source, calibration=opened.calibration)
-        return LiveLoop(clock=FakeClock(), session=Session(config, opened))
+        return LiveLoop(clock=FakeClock(), runtime=Runtime(config, opened))
 
     return build
 
@@ -362,7 +362,7 @@ def test_a_source_that_raises_leaves_the_robot_standing_and_the_loop_alive(make)
 def test_a_fault_in_the_flow_stops_the_robot_and_the_loop_lives_to_be_reset(make, monkeypatch):
     loop = make()
     run(loop, 0.5)
-    monkeypatch.setattr(loop.session.puppeteer.tracker, "act", lambda *_: np.full(12, np.nan))
+    monkeypatch.setattr(loop.runtime.puppeteer.tracker, "act", lambda *_: np.full(12, np.nan))
     run(loop, 0.2)
     assert loop.state_dict()["stopped"]
     assert "fault" in loop.state_dict()["why"]
@@ -383,7 +383,7 @@ def test_a_late_period_is_counted_and_a_slow_computer_is_told(make):
         loop.tick()
         loop.clock.advance(0.05)
         loop.wait()
-    assert loop.session.safety.overrun
+    assert loop.runtime.safety.overrun
     loop.tick()
     assert loop.state_dict()["why"].startswith("overrun")
     assert loop.state_dict()["reason"] == "overrun"
@@ -409,7 +409,7 @@ def test_what_was_recorded_can_be_replayed_paused_and_left(make):
     assert paused[-1].why.startswith("replay")
     assert loop.state_dict()["reason"] == "paused"
     assert ask(loop, c.SetMode(mode="live")).state["mode"] == "live"
-    loop.session.close()
+    loop.runtime.close()
 
 
 def full(*_):
@@ -436,7 +436,7 @@ def test_a_full_disk_ends_the_take_keeps_it_and_the_state_says_why(make, monkeyp
     again = ask(loop, c.StartTake(label="again"))
     assert again.ok
     assert again.state["recording_error"] is None
-    loop.session.close()
+    loop.runtime.close()
 
 
 def test_a_take_that_cannot_be_indexed_is_kept_and_the_state_says_why(make, monkeypatch):
@@ -446,11 +446,11 @@ def test_a_take_that_cannot_be_indexed_is_kept_and_the_state_says_why(make, monk
     with monkeypatch.context() as patch:
         patch.setattr(TapeWriter, "finish", full)
         ticks = ask(loop, c.StopTake()).data["ticks"]
-        loop.session.recorder.wait()
+        loop.runtime.recorder.wait()
     run(loop, DT)
     assert loop.state_dict()["recording_error"].startswith(f"take {name} is kept, but not indexed")
     assert len(read_take(loop.config.sessions / name)) == ticks
-    loop.session.close()
+    loop.runtime.close()
 
 
 def test_a_full_queue_answers_at_once_and_still_lets_a_stop_through(make):
@@ -465,7 +465,7 @@ def test_a_full_queue_answers_at_once_and_still_lets_a_stop_through(make):
 
 
 def test_the_thread_ticks_thirty_times_a_second_and_ends_in_good_order(tmp_path):
-    loop = LiveLoop(SessionConfig(sessions=tmp_path), clock=WallClock())
+    loop = LiveLoop(RuntimeConfig(sessions=tmp_path), clock=WallClock())
     loop.start()
     try:
         version, tick = loop.ticks.wait(20, timeout=20.0)

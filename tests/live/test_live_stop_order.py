@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from studio.live import commands as c
 from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop, _Request
-from studio.live.session import Session, SessionConfig
+from studio.live.runtime import Runtime, RuntimeConfig
 
 RELEASES = (c.Reset(), c.Arm())
 OTHERS = (c.SetMode(mode="live"), c.SetStateLock(state="stand"), c.Disarm())
@@ -17,8 +17,8 @@ OTHERS = (c.SetMode(mode="live"), c.SetStateLock(state="stand"), c.Disarm())
 
 @pytest.fixture(scope="module")
 def loop(tmp_path_factory):
-    config = SessionConfig(sessions=tmp_path_factory.mktemp("s") / "sessions")
-    return LiveLoop(clock=FakeClock(), session=Session(config))
+    config = RuntimeConfig(sessions=tmp_path_factory.mktemp("s") / "sessions")
+    return LiveLoop(clock=FakeClock(), runtime=Runtime(config))
 
 
 class Client:
@@ -62,7 +62,7 @@ def test_an_answered_stop_holds_against_all_that_was_sent_before_it(loop, steps,
     stop = next(r for r in reversed(client.sent) if isinstance(r.command, c.Stop))
     assert stop.done.is_set()
     assert stop.result.ok
-    assert stop.result.data["stop"] == loop.session.safety.stops
+    assert stop.result.data["stop"] == loop.runtime.safety.stops
     for _ in range(3):
         client.arrive_all()
         loop.tick()
@@ -95,13 +95,13 @@ def test_reset_arm_and_stop_within_one_period_leave_the_robot_stopped(loop):
 
 
 def test_a_release_sent_before_a_fall_does_not_lift_the_fallen_robot(loop):
-    loop.session.safety.reset()
-    loop.session.safety.arm(loop.clock.now())
+    loop.runtime.safety.reset()
+    loop.runtime.safety.arm(loop.clock.now())
     client = Client(loop)
     loop.tick()
     client.send(c.Reset(), late=True)
     client.send(c.Arm(), late=True)
-    loop.session.safety.fall(loop.clock.now(), demo=False)
+    loop.runtime.safety.fall(loop.clock.now(), demo=False)
     loop.tick()
     client.arrive_all()
     loop.tick()

@@ -10,17 +10,17 @@ from studio.human.skeleton import INDEX
 from studio.live import commands as c
 from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop
-from studio.live.session import Session, SessionConfig
+from studio.live.runtime import Runtime, RuntimeConfig
 
 DT = 1.0 / 30.0
 
 
 @pytest.fixture
 def loop(tmp_path):
-    config = SessionConfig(source="operator:walk", sessions=tmp_path / "sessions")
-    made = LiveLoop(clock=FakeClock(), session=Session(config))
+    config = RuntimeConfig(source="operator:walk", sessions=tmp_path / "sessions")
+    made = LiveLoop(clock=FakeClock(), runtime=Runtime(config))
     yield made
-    made.session.close()
+    made.runtime.close()
 
 
 def run(loop, seconds):
@@ -44,12 +44,12 @@ def ask(loop, command):
 
 def test_a_style_is_changed_without_restart_and_the_operator_walks_in_it_without_a_jump(loop):
     run(loop, 1.0)
-    source = loop.session.source
+    source = loop.runtime.source
     assert ask(loop, c.SetStyle(style="circles")).ok
     ticks = run(loop, 3.0)
     state = loop.state_dict()
     assert (state["style"], state["mapper"]["style"]) == ("circles", "circles")
-    assert loop.session.source is source
+    assert loop.runtime.source is source
     assert np.mean([tick.expert == "walk" for tick in ticks[60:]]) > 0.9
     # The feet stay on the floor now, and nothing leapt on the way there.
     joints = np.array([tick.human.joint_pos_w for tick in ticks])
@@ -63,18 +63,18 @@ def test_going_back_brings_the_style_back_too(loop):
     assert ask(loop, c.SetStyle(style="semantic")).ok
     assert ask(loop, c.MapperBack()).ok
     assert loop.state_dict()["style"] == "march"
-    assert loop.session.source.person.style == "march"
+    assert loop.runtime.source.person.style == "march"
 
 
 def test_in_collect_the_person_who_acts_takes_up_the_style_and_so_does_who_waits(loop):
     assert ask(loop, c.SetMode(mode="collect")).ok
     assert ask(loop, c.SetStyle(style="circles")).ok
-    assert loop.session.source.person.style == "circles"
+    assert loop.runtime.source.person.style == "circles"
     assert ask(loop, c.SetMode(mode="live")).ok
-    assert loop.session.source.person.style == "circles"
-    assert loop.session.about()["style"] == "circles"
+    assert loop.runtime.source.person.style == "circles"
+    assert loop.runtime.about()["style"] == "circles"
     assert ask(loop, c.SetSource(source="operator:march")).ok
-    assert loop.session.source.person.style == "circles"
+    assert loop.runtime.source.person.style == "circles"
 
 
 def test_a_style_is_not_changed_in_the_midst_of_a_take_and_an_unknown_one_never(loop):

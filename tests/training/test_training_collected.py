@@ -11,7 +11,7 @@ from studio.live import collect
 from studio.live import commands as c
 from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop
-from studio.live.session import Session, SessionConfig
+from studio.live.runtime import Runtime, RuntimeConfig
 from studio.live.shown import PlanItem
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, read_experts
@@ -32,7 +32,7 @@ def collected(tmp_path_factory):
 
 
 def collect_tilts(root):
-    loop = LiveLoop(clock=FakeClock(), session=Session(SessionConfig(sessions=root)))
+    loop = LiveLoop(clock=FakeClock(), runtime=Runtime(RuntimeConfig(sessions=root)))
 
     def ask(command):
         asker = threading.Thread(target=lambda: loop.submit(command, timeout=20.0))
@@ -47,13 +47,13 @@ def collect_tilts(root):
     items = (PlanItem(task="tilt", takes=2, seconds=5.0),)
     ask(c.SetPlan(items=items, preview=False, hands_free=True, seed=3))
     ask(c.SetMode(mode="collect"))
-    while loop.session.collector.machine.phase != "done":
+    while loop.runtime.collector.machine.phase != "done":
         loop.tick()
         loop.wait()
     for _ in range(5):
         loop.tick()
-    names = tuple(loop.session.collector.kept)
-    loop.session.close()
+    names = tuple(loop.runtime.collector.kept)
+    loop.runtime.close()
     assert len(names) == 2
     return root, names
 

@@ -118,13 +118,13 @@ def test_a_control_loop_that_ended_is_started_again_with_its_robot_stopped(well,
 
 
 def test_control_periods_that_fail_are_degraded_and_503_until_they_do_not(well, monkeypatch):
-    from studio.live.session import Session
+    from studio.live.runtime import Runtime
 
     def fail(self, now):
         raise ValueError("a secret path /home/somebody")
 
     with monkeypatch.context() as patched:
-        patched.setattr(Session, "step", fail)
+        patched.setattr(Runtime, "step", fail)
         state = well.wait(lambda s: s["stopped"], 30.0)
         assert (state["armed"], state["needs_reset"]) == (False, True)
         assert "somebody" in state["why"]  # for who has the token
@@ -137,9 +137,9 @@ def test_control_periods_that_fail_are_degraded_and_503_until_they_do_not(well, 
 
 
 def test_a_loop_that_hangs_is_degraded(well, monkeypatch):
-    from studio.live.session import Session
+    from studio.live.runtime import Runtime
 
-    step, hang, go_on = Session.step, threading.Event(), threading.Event()
+    step, hang, go_on = Runtime.step, threading.Event(), threading.Event()
 
     def slow(self, now):
         hang.set()
@@ -147,7 +147,7 @@ def test_a_loop_that_hangs_is_degraded(well, monkeypatch):
         return step(self, now)
 
     with monkeypatch.context() as patched:
-        patched.setattr(Session, "step", slow)
+        patched.setattr(Runtime, "step", slow)
         try:
             wait_for(hang.is_set)
             _, said = wait_for(lambda: (h := health(well))[0] == 503 and h)

@@ -12,7 +12,7 @@ from studio.live.command import Command, Made, OneOf
 from studio.live.shown import PlanItem
 
 if TYPE_CHECKING:
-    from studio.live.session import Session
+    from studio.live.runtime import Runtime
 
 MAX_PLAN = 200
 """Takes in one plan: each is drawn ahead, some 0.2 s of work."""
@@ -37,16 +37,16 @@ class SetPlan(Command, CollectPlan, extra="forbid"):
     misfit_status: ClassVar[int] = 422
     items: Items
 
-    def prepare(self, session: "Session") -> tuple[CollectPlan, list[Slot]]:
+    def prepare(self, runtime: "Runtime") -> tuple[CollectPlan, list[Slot]]:
         """The plan with its seed, and the motions drawn for it."""
         seed = secrets.randbelow(2**31) if self.seed is None else self.seed
         return self.model_copy(update={"seed": seed}), draw_slots(self.items, seed)
 
     def apply(
-        self, session: "Session", now: float, prepared: tuple[CollectPlan, list[Slot]]
+        self, runtime: "Runtime", now: float, prepared: tuple[CollectPlan, list[Slot]]
     ) -> Made:
         """Start on it."""
-        session.collector.begin(*prepared)
+        runtime.collector.begin(*prepared)
         return {}
 
 
@@ -58,14 +58,14 @@ class AddToPlan(Command, extra="forbid"):
     misfit_status: ClassVar[int] = 422
     items: Items
 
-    def prepare(self, session: "Session") -> list[Slot]:
+    def prepare(self, runtime: "Runtime") -> list[Slot]:
         """The motions drawn for it."""
-        machine = session.collector.machine
+        machine = runtime.collector.machine
         return draw_slots(self.items, machine.plan.seed or 0, len(machine.slots))
 
-    def apply(self, session: "Session", now: float, prepared: list[Slot]) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: list[Slot]) -> Made:
         """Put them at the end."""
-        session.collector.machine.add(prepared)
+        runtime.collector.machine.add(prepared)
         return {}
 
 
@@ -77,11 +77,11 @@ class CollectAction(Command, extra="forbid"):
     tag: ClassVar[str] = "collect"
     action: Annotated[str, OneOf("action", ACTIONS)]
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Tell the plan's state machine."""
-        if session.mode != "collect":
+        if runtime.mode != "collect":
             raise StudioError("nothing is collected: choose mode collect first")
-        return session.collector.act(self.action)
+        return runtime.collector.act(self.action)
 
     def answer(self, state: dict[str, Any], made: Made) -> dict[str, Any]:
         """The state, and what was judged."""

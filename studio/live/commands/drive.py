@@ -15,7 +15,7 @@ from studio.reference.intent import STATES
 from studio.retarget.store import STYLES, load_experts
 
 if TYPE_CHECKING:
-    from studio.live.session import Session
+    from studio.live.runtime import Runtime
 
 Mode = Literal["idle", "live", "replay", "collect"]
 MODES: tuple[Mode, ...] = ("idle", "live", "replay", "collect")
@@ -35,24 +35,24 @@ class SetMode(Command):
         """A take is read to be replayed, and whoever acts for the built-in operator made."""
         return self.mode in ("replay", "collect")
 
-    def prepare(self, session: "Session") -> Replay | OpenedSource | None:
+    def prepare(self, runtime: "Runtime") -> Replay | OpenedSource | None:
         """replay: the take watched, or else the last recorded. collect: the person who acts."""
         if self.mode == "collect":
-            return open_follower(session.config.puppeteer, session.source)
+            return open_follower(runtime.config.puppeteer, runtime.source)
         if self.mode == "replay":
-            kind, _, name = session.source.name.partition(":")
-            take = name if kind == "take" else session.last_take
-            return open_replay(session.config.sessions, take) if take else None
+            kind, _, name = runtime.source.name.partition(":")
+            take = name if kind == "take" else runtime.last_take
+            return open_replay(runtime.config.sessions, take) if take else None
         return None
 
-    def apply(self, session: "Session", now: float, prepared: Any = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: Any = None) -> Made:
         """Change the mode; a running take of a plan is thrown away when collecting is left."""
         if self.mode == "collect":
-            session.enter_collect(prepared, now)
+            runtime.enter_collect(prepared, now)
             return {}
         if self.mode == "replay":
-            session.replay = prepared or session.replay
-        session.enter(self.mode, now)
+            runtime.replay = prepared or runtime.replay
+        runtime.enter(self.mode, now)
         return {}
 
 
@@ -62,9 +62,9 @@ class SetStateLock(Command):
     path: ClassVar[str] = "state"
     state: Annotated[str, OneOf("state", ("auto", *STATES))]
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Lock or free."""
-        session.puppeteer.lock_state(self.state)
+        runtime.puppeteer.lock_state(self.state)
         return {}
 
 
@@ -74,20 +74,20 @@ class SetSource(Command):
     path: ClassVar[str] = "source"
     source: str = Field(max_length=1024)
 
-    def prepare(self, session: "Session") -> OpenedSource:
+    def prepare(self, runtime: "Runtime") -> OpenedSource:
         """Open and scan it."""
-        return open_for(self.source, session.config.puppeteer, session.config.sessions)
+        return open_for(self.source, runtime.config.puppeteer, runtime.config.sessions)
 
-    def apply(self, session: "Session", now: float, prepared: OpenedSource) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: OpenedSource) -> Made:
         """Watch it; live and armed where it starts so, else idle until armed."""
-        session.collector.abort("another source was chosen")
-        session.acting.forget()
-        session.reading.close()
-        session.watch(prepared, now)
-        live = session.source.starts_live
-        session.mode, session.idle_by_source = ("live" if live else "idle"), not live
-        if not session.safety.stopped:
-            session.safety.armed = live
+        runtime.collector.abort("another source was chosen")
+        runtime.acting.forget()
+        runtime.reading.close()
+        runtime.watch(prepared, now)
+        live = runtime.source.starts_live
+        runtime.mode, runtime.idle_by_source = ("live" if live else "idle"), not live
+        if not runtime.safety.stopped:
+            runtime.safety.armed = live
         return {}
 
 
@@ -97,9 +97,9 @@ class SetScene(Command):
     path: ClassVar[str] = "scene"
     scene: Annotated[str, OneOf("scene", SCENES)]
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Set it."""
-        session.scene = self.scene
+        runtime.scene = self.scene
         return {}
 
 
@@ -109,9 +109,9 @@ class SetController(Command):
     path: ClassVar[str] = "controller"
     controller: Annotated[str, OneOf("controller", CONTROLLERS)]
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Use it from the next period on."""
-        session.puppeteer.set_controller(self.controller)
+        runtime.puppeteer.set_controller(self.controller)
         return {}
 
 
@@ -130,9 +130,9 @@ class SetGain(Command):
         with_why(checked_gain, self.name, self.value)
         return self
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Set it."""
-        session.puppeteer.set_gain(self.name, self.value)
+        runtime.puppeteer.set_gain(self.name, self.value)
         return {}
 
 
@@ -142,9 +142,9 @@ class SetMirror(Command):
     path: ClassVar[str] = "mirror"
     mirror: bool
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Mirror the person from the next pose on."""
-        session.puppeteer.set_mirror(self.mirror)
+        runtime.puppeteer.set_mirror(self.mirror)
         return {}
 
 
@@ -153,9 +153,9 @@ class Calibrate(Command):
 
     path: ClassVar[str] = "calibrate"
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """The way the person faces now is straight ahead."""
-        session.puppeteer.calibrate_now()
+        runtime.puppeteer.calibrate_now()
         return {}
 
 
@@ -166,13 +166,13 @@ class SetStyle(Command):
     path: ClassVar[str] = "style"
     style: Annotated[str, OneOf("style", STYLES)]
 
-    def prepare(self, session: "Session") -> OpenedMapper:
+    def prepare(self, runtime: "Runtime") -> OpenedMapper:
         """Read the style's experts."""
         return OpenedMapper(name=None, experts=load_experts(self.style))
 
-    def apply(self, session: "Session", now: float, prepared: OpenedMapper) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: OpenedMapper) -> Made:
         """Swap them in."""
-        return session.map_by(prepared)
+        return runtime.map_by(prepared)
 
 
 class SetMapper(Command):
@@ -184,16 +184,16 @@ class SetMapper(Command):
     misfit_status: ClassVar[int] = 422
     name: str = Field(max_length=120)
 
-    def prepare(self, session: "Session") -> OpenedMapper:
+    def prepare(self, runtime: "Runtime") -> OpenedMapper:
         """Read the experts."""
-        style = session.config.puppeteer.style
+        style = runtime.config.puppeteer.style
         if self.name == SHIPPED:
             return OpenedMapper(name=None, experts=load_experts(style))
-        return open_mapper(session.config.sessions, self.name, style)
+        return open_mapper(runtime.config.sessions, self.name, style)
 
-    def apply(self, session: "Session", now: float, prepared: OpenedMapper) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: OpenedMapper) -> Made:
         """Swap them in."""
-        return session.map_by(prepared)
+        return runtime.map_by(prepared)
 
 
 class MapperBack(Command):
@@ -202,8 +202,8 @@ class MapperBack(Command):
     path: ClassVar[str] = "mapper/back"
     tag: ClassVar[str] = "train"
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Swap them in."""
-        if session.mappers.before is None:
+        if runtime.mappers.before is None:
             raise StudioError("there is no mapper to go back to: none was swapped in yet")
-        return session.map_by(session.mappers.before)
+        return runtime.map_by(runtime.mappers.before)

@@ -6,7 +6,7 @@ from studio.errors import StudioError
 from studio.live.command import Command, Made
 
 if TYPE_CHECKING:
-    from studio.live.session import Session
+    from studio.live.runtime import Runtime
 
 
 class Stop(Command):
@@ -17,13 +17,13 @@ class Stop(Command):
     sender: ClassVar[str] = "by"
     by: str = "operator"
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Latch; a take of a plan that is being recorded is thrown away, a replay paused."""
-        session.safety.stop(f"emergency stop by {self.by}")
-        session.collector.abort("stopped: the take was thrown away")
-        if session.replay is not None:
-            session.replay.playing = False
-        return {"stop": session.safety.stops}
+        runtime.safety.stop(f"emergency stop by {self.by}")
+        runtime.collector.abort("stopped: the take was thrown away")
+        if runtime.replay is not None:
+            runtime.replay.playing = False
+        return {"stop": runtime.safety.stops}
 
 
 class Reset(Command):
@@ -32,10 +32,10 @@ class Reset(Command):
     path: ClassVar[str] = "reset"
     releases: ClassVar[bool] = True
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """The robot stands up from a crouch where it is."""
-        session.puppeteer.stand_up()
-        session.safety.reset()
+        runtime.puppeteer.stand_up()
+        runtime.safety.reset()
         return {}
 
 
@@ -45,14 +45,14 @@ class Arm(Command):
     path: ClassVar[str] = "arm"
     releases: ClassVar[bool] = True
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Refused while the robot is down; goes live where only the source had made it idle."""
-        why = session.safety.arm(now)
+        why = runtime.safety.arm(now)
         if why:
             raise StudioError(why)
-        if session.mode == "idle" and session.idle_by_source:
-            session.mode, session.idle_by_source = "live", False
-        session.puppeteer.rejoin()
+        if runtime.mode == "idle" and runtime.idle_by_source:
+            runtime.mode, runtime.idle_by_source = "live", False
+        runtime.puppeteer.rejoin()
         return {}
 
 
@@ -61,9 +61,9 @@ class Disarm(Command):
 
     path: ClassVar[str] = "disarm"
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Rest until armed."""
-        session.safety.disarm()
+        runtime.safety.disarm()
         return {}
 
 
@@ -72,9 +72,9 @@ class TakeControl(Command):
 
     page: str
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Watch the page's heartbeats."""
-        session.safety.take_control(self.page, now)
+        runtime.safety.take_control(self.page, now)
         return {}
 
 
@@ -83,7 +83,7 @@ class ReleaseControl(Command):
 
     page: str
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Watch nobody."""
-        session.safety.release_control(self.page)
+        runtime.safety.release_control(self.page)
         return {}

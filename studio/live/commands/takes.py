@@ -9,7 +9,7 @@ from studio.live.command import Command, Made
 from studio.live.replay import SPEEDS, Replay, open_review
 
 if TYPE_CHECKING:
-    from studio.live.session import Session
+    from studio.live.runtime import Runtime
 
 
 class StartTake(Command):
@@ -21,10 +21,10 @@ class StartTake(Command):
     label: str = Field(default="", max_length=120)
     name: str | None = Field(default=None, max_length=120)
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Begin the take."""
-        name = session.recorder.start(self.label, name=self.name, about=session.about())
-        session.recorded = 0
+        name = runtime.recorder.start(self.label, name=self.name, about=runtime.about())
+        runtime.recorded = 0
         return {"name": name}
 
     def answer(self, state: dict[str, Any], made: Made) -> dict[str, Any]:
@@ -38,12 +38,12 @@ class StopTake(Command):
     path: ClassVar[str] = "takes/stop"
     tag: ClassVar[str] = "takes"
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """End it, unless it belongs to a plan."""
-        if session.mode == "collect":
+        if runtime.mode == "collect":
             raise StudioError("the take belongs to the plan: abort it, or let it end")
-        stopped = session.recorder.stop()
-        session.last_take = stopped["name"]
+        stopped = runtime.recorder.stop()
+        runtime.last_take = stopped["name"]
         return stopped
 
     def answer(self, state: dict[str, Any], made: Made) -> dict[str, Any]:
@@ -69,11 +69,11 @@ class Seek(Seeking, Command):
 
     path: ClassVar[str] = "seek"
 
-    def apply(self, session: "Session", now: float, prepared: None = None) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Move; refused where nothing is replayed."""
-        if session.mode != "replay" or session.replay is None:
+        if runtime.mode != "replay" or runtime.replay is None:
             raise StudioError("nothing is replayed: choose mode replay first")
-        self.seek(session.replay)
+        self.seek(runtime.replay)
         return {}
 
 
@@ -87,14 +87,14 @@ class ShowTake(Seeking, Command, extra="forbid"):
     name: str
     aligned: bool = True
 
-    def prepare(self, session: "Session") -> Replay:
+    def prepare(self, runtime: "Runtime") -> Replay:
         """Read its table, which takes seconds for a take of an hour."""
-        replay = open_review(session.config.sessions, self.name, aligned=self.aligned)
+        replay = open_review(runtime.config.sessions, self.name, aligned=self.aligned)
         self.seek(replay)
         return replay
 
-    def apply(self, session: "Session", now: float, prepared: Replay) -> Made:
+    def apply(self, runtime: "Runtime", now: float, prepared: Replay) -> Made:
         """Replay it."""
-        session.replay = prepared
-        session.enter("replay", now)
+        runtime.replay = prepared
+        runtime.enter("replay", now)
         return {}

@@ -25,7 +25,7 @@ log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, kw_only=True)
-class SessionConfig:
+class RuntimeConfig:
     """source: a spec of docs/contract.md. sessions: where takes are. puppeteer: how to drive."""
 
     source: str = "operator"
@@ -33,12 +33,12 @@ class SessionConfig:
     puppeteer: PuppeteerConfig = field(default_factory=PuppeteerConfig)
 
 
-class Session:
+class Runtime:
     """One studio's state. Only the loop's thread calls it (`step`, and each command's `apply`)."""
 
     def __init__(
         self,
-        config: SessionConfig,
+        config: RuntimeConfig,
         opened: OpenedSource | None = None,
         puppeteer: Puppeteer | None = None,
     ) -> None:
