@@ -1,0 +1,146 @@
+"""One person drives the robot for minutes → its falls, and how fast it walked.
+
+After a fall the robot is stood up where it lies, as an operator would, and goes on.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio.control.command import PuppeteerConfig
+from studio.control.policy import Policy
+from studio.control.staleness import stale_command
+from studio.control.trackers import open_controller
+from studio.control.trackers.policy import PolicyTracker
+from studio.control.trackers.tracker import Tracker
+from studio.evaluation.impaired import IMPAIRMENTS, Impaired, Sensed
+from studio.evaluation.styles import walking
+from studio.human.calibration import calibrate
+from studio.options import ControllerName
+from studio.puppeteer import Puppeteer
+from studio.reference import gait
+from studio.reference.intent import STATES
+from studio.rl.noise import NoiseConfig
+from studio.robot.a1 import CONTROL_DT
+from studio.sim import randomize
+from studio.synthetic.operator import InteractiveOperator, OperatorSource
+
+Array = NDArray[np.float64]
+DynamicsName = Literal["nominal", "table_i"]
+LIE_S = 3.0
+"""s that a fallen robot lies before it is stood up."""
+WINDOW = 60
+"""Control periods (2 s) over which the speed asked for and the way made are compared."""
+MOVING = 0.05
+"""m/s asked for from which a window counts as walking."""
+BRISK = "brisk"
+"""The source of somebody who walks straight on, at one speed drawn from the upper 40 % of what
+there is."""
+
+HOLDS: dict[str, dict[str, float]] = {
+    "shipped": {},
+    "nothing": {"heading_gain": 0.0, "place_gain": 0.0},
+    "heading, within a stride": {"heading_gain": 1.0, "heading_smooth": 0.0, "place_gain": 0.0},
+    "heading and place": {"heading_gain": 1.0, "heading_smooth": 0.0, "place_gain": 1.0},
+}
+"""What the walking policy makes up for: its gains in 1/s, see `ObservationConfig`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """One row. source: a spec of the operator, or BRISK. sensor: a name of IMPAIRMENTS. dynamics:
+    those of the robot the policies were made for, or draws of Table I and its cheap sensors
+    (`rl.noise`). holds: a name of HOLDS. people, seconds: who drives it, each for how long."""
+
+    source: str = "operator:walk"
+    controller: ControllerName = "policy"
+    dynamics: DynamicsName = "nominal"
+    sensor: str = "mocap"
+    holds: str = "shipped"
+    people: int = 20
+    seconds: float = 300.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run:
+    """One person's minutes. falls: s. asked, made: m/s, of each window of walking."""
+
+    seconds: float
+    falls: tuple[float, ...]
+    asked: tuple[float, ...]
+    made: tuple[float, ...]
+
+
+def endure(case: Case, seed: int) -> Run:
+    """One person, drawn from `seed`, drives for `case.seconds`."""
+    source = _source(case, seed)
+    puppeteer = Puppeteer(
+        PuppeteerConfig(controller=case.controller, seed=seed),
+        calibrate(source.calibration_poses()),
+    )
+    puppeteer.tracker = _tracker(case, seed)
+    if case.dynamics == "table_i":
+        links = int(np.count_nonzero(puppeteer.world.model.body_mass > 0.0))
+        drawn = randomize.draw(np.random.default_rng(seed), 1, links)
+        puppeteer.world.set_dynamics(drawn)
+    puppeteer.reset()
+    falls: list[float] = []
+    lying, age = 0.0, np.inf
+    rows: list[tuple[bool, float, Array]] = []
+    for k in range(round(case.seconds / CONTROL_DT)):
+        human = source.read(k * CONTROL_DT)
+        age = 0.0 if human is not None else age + CONTROL_DT
+        if lying > 0.0:
+            lying -= CONTROL_DT
+            if lying <= 0.0:
+                puppeteer.stand_up()
+                puppeteer.rejoin()
+            continue
+        tick = puppeteer.step(human, stale_command(float(age)))
+        if tick.fallen:
+            falls.append(k * CONTROL_DT)
+            lying = LIE_S
+        speed = float(np.hypot(*tick.reference.base_lin_vel_w[:2]))
+        rows.append((tick.state == "walk" and not tick.fallen, speed, tick.robot.base_pos[:2]))
+    asked, made = _windows(rows)
+    return Run(seconds=case.seconds, falls=tuple(falls), asked=asked, made=made)
+
+
+def _source(case: Case, seed: int) -> Impaired:
+    impairment = IMPAIRMENTS[case.sensor]
+    if case.source == BRISK:
+        operator = InteractiveOperator(seed=seed, sensor=impairment.sensor)
+        speed = np.random.default_rng([seed, 5]).uniform(0.6, 1.0) * gait.MAX_SPEED
+        operator.set_intent(walking(float(speed), 0.0))
+    else:
+        task = case.source.partition(":")[2] or None
+        operator = OperatorSource(task, seed=seed, sensor=impairment.sensor)
+    return Impaired(operator, impairment, seed)
+
+
+def _tracker(case: Case, seed: int) -> Tracker:
+    gains: dict[str, Any] = HOLDS[case.holds]
+    tracker = open_controller(case.controller)
+    if gains:
+        policies = {state: Policy.load(state) for state in STATES}
+        walk = policies["walk"]
+        policies["walk"] = walk.observing(replace(walk.observation, **gains))
+        tracker = PolicyTracker(policies)
+    return tracker if case.dynamics == "nominal" else Sensed(tracker, NoiseConfig(), seed)
+
+
+def _windows(rows: list[tuple[bool, float, Array]]) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """Mean speed asked for, and way made along it per second, in windows spent walking."""
+    asked, made = [], []
+    for first in range(0, len(rows) - WINDOW, WINDOW):
+        window = rows[first : first + WINDOW + 1]
+        wanted = float(np.mean([speed for _, speed, _ in window]))
+        if all(walks for walks, _, _ in window) and wanted > MOVING:
+            way = np.diff([place for *_, place in window], axis=0)
+            # Half a second at a time: a curve is no shortcut, wobble within a stride no way.
+            steps = [np.linalg.norm(way[i : i + 15].sum(axis=0)) for i in range(0, WINDOW, 15)]
+            asked.append(wanted)
+            made.append(float(np.sum(steps)) / (WINDOW * CONTROL_DT))
+    return tuple(asked), tuple(made)
