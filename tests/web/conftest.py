@@ -7,7 +7,7 @@ from pathlib import Path
 
 import httpx
 import pytest
-from browsing import chromium
+from browsing import PATIENCE, chromium
 
 from studio.options import ServeConfig
 from studio.web.serve import studio
@@ -30,7 +30,7 @@ class Running:
     def state(self) -> dict:
         return self.client.get("/api/state").json()
 
-    def wait(self, true, seconds: float = 10.0) -> dict:
+    def wait(self, true, seconds: float = PATIENCE) -> dict:
         """The first state for which `true(state)`; fails with the last one seen."""
         deadline = time.monotonic() + seconds
         while True:
@@ -70,10 +70,10 @@ def studio_at(tmp_path_factory):
         port = listener.getsockname()[1]
         headers = {"Authorization": f"Bearer {TOKEN}"}
         with httpx.Client(
-            base_url=f"http://127.0.0.1:{port}", headers=headers, timeout=15.0, trust_env=False
+            base_url=f"http://127.0.0.1:{port}", headers=headers, timeout=PATIENCE, trust_env=False
         ) as client:
             running = Running(port=port, client=client, sessions=config.sessions)
-            deadline = time.monotonic() + 30.0
+            deadline = time.monotonic() + PATIENCE
             while time.monotonic() < deadline:
                 try:
                     if client.get("/api/health").status_code == 200:
