@@ -141,7 +141,7 @@ def _file(cache: Path | None, case: Case, seed: int) -> Path | None:
 
 
 def row(case: Case, runs: list[Run], seed: int) -> dict[str, Any]:
-    """Falls, and mean time between them with a 95 % interval (Poisson, exact).
+    """Falls, how many an hour and the mean time between them, with 95 % intervals (Poisson, exact).
 
     Time counts that was not spent lying. walking_s: in windows of walking at FULL_SPEED or more of
     the speed asked for.
@@ -159,6 +159,7 @@ def row(case: Case, runs: list[Run], seed: int) -> dict[str, Any]:
         "dynamics": case.dynamics,
         "sensor": case.sensor,
         "holds": case.holds,
+        "goal": goal(case),
         "seed": seed,
         "episodes": len(runs),
         "seconds_each": runs[0].seconds,
@@ -167,11 +168,20 @@ def row(case: Case, runs: list[Run], seed: int) -> dict[str, Any]:
         "first_falls_s": [round(run.falls[0], 1) for run in runs if run.falls],
         "seconds": up,
         "walking_s": walking,
+        "falls_per_hour": 3600.0 * falls / up,
+        "falls_per_hour_ci": [0.0 if high is None else 3600.0 / high, 3600.0 / low],
         "mean_time_between_falls_s": up / falls if falls else None,
         "mean_time_between_falls_s_ci": [low, high],
         "speed_asked_m_s": float(asked.mean()) if len(asked) else 0.0,
         "speed_made_m_s": float(made.mean()) if len(made) else 0.0,
     }
+
+
+def goal(case: Case) -> float | None:
+    """Most falls an hour that the shipped policy may have; None: for comparison only."""
+    if case.controller != "policy" or case.holds != "shipped" or case.sensor == "kinect":
+        return None
+    return 0.0 if case.dynamics == "nominal" else 1.0
 
 
 def time_between(falls: int, seconds: float) -> tuple[float, float | None]:

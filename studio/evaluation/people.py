@@ -17,6 +17,7 @@ from studio.control.command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport
 from studio.evaluation.options import TableOptions
+from studio.evaluation.people_starts import start_rows
 from studio.human.calibration import calibrate
 from studio.options import ControllerName, Style
 from studio.puppeteer import Puppeteer
@@ -51,14 +52,26 @@ class Options(TableOptions):
     """Which human motion means walking."""
     controller: ControllerName | None = None
     """What turns the reference into an action (default: policy once trained)."""
+    starts: float | None = None
+    """Instead of labels, falls: every clip, in folders below too, begun anew each so many s."""
 
 
 def run_people(options: Options) -> dict[str, Any]:
     """A row per clip and one for all together (case "all"). StudioError without labelled clips."""
+    made_by = commit()
+    if options.starts is not None:
+        rows = start_rows(
+            options.clips,
+            options.starts,
+            style=options.style,
+            controller=options.controller,
+            seed=options.seed,
+            most=options.episodes,
+        )
+        return {"rows": [{"episodes": row["starts"], **row, "commit": made_by} for row in rows]}
     labels = list(read_labels(options.clips).items())[: options.episodes]
     rows = [clip_row(options, name, intervals) for name, intervals in labels]
     rows.append(overall(rows) | {"episodes": len(rows)})
-    made_by = commit()
     return {"rows": [{"episodes": 1, **row, "commit": made_by} for row in rows]}
 
 

@@ -160,6 +160,19 @@ def _entering(goal: str, source: str) -> Goal:
     )
 
 
+def _staying_up(words: str, dynamics: str, limit: float) -> Goal:
+    """Of the rows that have a goal: those for comparison have none."""
+    return Goal(
+        words=words,
+        table="endurance",
+        who=lambda r: r.get("goal") is not None and r["dynamics"] == dynamics,
+        worst=_most("falls_per_hour"),
+        limit=limit,
+        at_least=False,
+        unit=" an hour",
+    )
+
+
 _COLUMNS = {c.key: c for c in TRACKING}
 
 
@@ -200,4 +213,6 @@ GOALS: tuple[Goal | Beats, ...] = (
     ),
     _on("kicks", "kicks survived", (), _least("survived"), 0.95, True),
     _on("workspace", "workspace with tilts over without", (), _least("ratio"), 2.5, True),
+    _staying_up("no fall, nominal dynamics: worst row", "nominal", 0.0),
+    _staying_up("falls an hour, Table I: worst row", "table_i", 1.0),
 )

@@ -124,4 +124,22 @@ TABLES: dict[str, tuple[str, tuple[Column, ...]]] = {
     ),
     "curriculum": ("Curriculum", (_VARIANT, *TRACKING[:7])),
     "future": ("Without the future", (_VARIANT, *TRACKING[:9])),
+    "endurance": (
+        "Minutes of driving",
+        (
+            Column(key="source", head="source"),
+            _WHO,
+            Column(key="dynamics", head="dynamics"),
+            Column(key="sensor", head="person seen by"),
+            Column(key="holds", head="holds"),
+            Column(key="episodes", head="people", places=0),
+            Column(key="seconds", head="minutes", scale=1.0 / 60.0, places=0),
+            Column(key="walking_s", head="walked at full speed", scale=1.0 / 60.0, places=0),
+            Column(key="falls", head="falls", places=0),
+            Column(key="falls_per_hour", head="falls an hour", places=1),
+            Column(key="goal", head="goal", places=0),
+            Column(key="speed_asked_m_s", head="asked m/s"),
+            Column(key="speed_made_m_s", head="made m/s"),
+        ),
+    ),
 }

@@ -53,6 +53,33 @@ def test_a_clip_of_ones_own_is_scored(tmp_path: Path):
         assert each["episodes"] == 1
 
 
+def test_a_clip_is_begun_again_at_every_start_and_falls_are_counted(tmp_path: Path):
+    rng = np.random.default_rng(0)
+    someone = Person.sample(rng, "held_out", sensor="mocap").still()
+    clip = perform(TASKS["walk"].sample(rng, 3.2), someone, rng)
+    below = tmp_path / "below"
+    below.mkdir()
+    write_bvh(below / "walk.bvh", clip.joint_pos_w, 1.0 / 30.0)
+    options = Options(clips=tmp_path, starts=0.5, controller="stand_still")
+    row, total = run_people(options)["rows"]
+    assert row["case"] == "below/walk.bvh"
+    assert row["starts"] == row["episodes"] == 5  # 0, 0.5 … 2 s: the last second is none
+    assert row["seconds"] == pytest.approx(5 * clip.seconds - 5.0, abs=5 / 30.0 + 1e-9)
+    assert (row["fell"], row["fell_at_s"]) == (0, [])
+    assert (total["case"], total["starts"], total["fell"]) == ("all", 5, 0)
+
+
+@pytest.mark.parametrize("starts", [0.0, -1.0, float("nan")])
+def test_starts_that_are_no_time_apart_are_refused(tmp_path: Path, starts: float):
+    with pytest.raises(StudioError, match="--starts"):
+        run_people(Options(clips=tmp_path, starts=starts))
+
+
+def test_starts_need_a_clip(tmp_path: Path):
+    with pytest.raises(StudioError, match=r"no \.bvh"):
+        run_people(Options(clips=tmp_path, starts=1.0))
+
+
 def test_a_folder_without_labels_is_refused(tmp_path: Path):
     with pytest.raises(StudioError, match=r"labels\.json"):
         run_people(Options(clips=tmp_path))

@@ -143,9 +143,9 @@ def test_only_tables_that_were_made_are_on_the_page(tmp_path: Path) -> None:
 
 def test_a_table_without_columns_of_its_own_shows_every_figure_of_its_rows(tmp_path: Path) -> None:
     rows = [{"case": "operator", "seed": 0, "episodes": 2, "falls": 3, "first_falls_s": [1.0]}]
-    (tmp_path / "endurance.json").write_text(json.dumps(rows))
+    (tmp_path / "styles.json").write_text(json.dumps(rows))
     text = page(load(tmp_path), "facts")
-    assert "## Endurance" in text
+    assert "## Styles" in text
     assert "| case | falls |\n|---|---|\n| operator | 3.000 |" in text
 
 

@@ -1,0 +1,105 @@
+"""Every clip begun again and again at later seconds → how often the robot falls before its end.
+
+A robot may live through a motion only because of how it came into it: whoever steps before a sensor
+does so at any moment.
+"""
+
+import logging
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from studio.control.command import PuppeteerConfig
+from studio.errors import StudioError
+from studio.human.calibration import calibrate
+from studio.options import ControllerName, Style
+from studio.puppeteer import Puppeteer
+from studio.robot.a1 import CONTROL_DT
+from studio.sources import SourceEnded, open_source
+
+log = logging.getLogger(__name__)
+SHORTEST_S = 1.0
+"""A start with less of the clip left than this is none."""
+
+
+def start_rows(
+    folder: Path,
+    every: float,
+    *,
+    style: Style = "march",
+    controller: ControllerName | None = None,
+    seed: int = 0,
+    most: int | None = None,
+) -> list[dict[str, Any]]:
+    """A row per clip in the folder and below it, at most `most`, and one for all ("all").
+
+    every: s from one start to the next. StudioError where there is no clip, or for `every` of 0 or
+    less.
+    """
+    if not every > 0.0:
+        raise StudioError(f"--starts says how many seconds apart starts are: over 0, not {every}")
+    clips = clips_below(folder)[:most]
+    if not clips:
+        raise StudioError(f"no .bvh and no .jsonl in {folder} or below it")
+    config = PuppeteerConfig(style=style, controller=controller, seed=seed)
+    rows = []
+    for clip in clips:
+        falls = [(start, fall_from(clip, start, config)) for start in starts(clip, every)]
+        rows.append(_row(clip.relative_to(folder).as_posix(), config, every, falls))
+        log.info("%s: %d of %d starts fell", rows[-1]["case"], rows[-1]["fell"], len(falls))
+    total = {key: sum(row[key] for row in rows) for key in ("starts", "fell", "seconds")}
+    return [*rows, {**rows[0], "case": "all", "fell_at_s": None, **total}]
+
+
+def clips_below(folder: Path) -> list[Path]:
+    """What can be driven, in order of their names."""
+    return sorted(p for p in folder.rglob("*") if p.suffix in (".bvh", ".jsonl") and p.is_file())
+
+
+def starts(clip: Path, every: float) -> Iterable[float]:
+    """s into the clip, from 0 on."""
+    source = open_source(_spec(clip))
+    duration = source.duration or 0.0
+    source.close()
+    return [float(t) for t in np.arange(0.0, max(duration - SHORTEST_S, 0.0) + 1e-9, every)]
+
+
+def fall_from(clip: Path, start: float, config: PuppeteerConfig) -> tuple[float, float | None]:
+    """(s driven, s after `start` at which the robot fell, or None), of a clip begun at `start`."""
+    source = open_source(_spec(clip), seed=config.seed, style=config.style)
+    puppeteer = Puppeteer(config, calibrate(source.calibration_poses()))
+    k = 0
+    try:
+        while True:
+            if puppeteer.step(source.read(start + k * CONTROL_DT)).fallen:
+                return k * CONTROL_DT, k * CONTROL_DT
+            k += 1
+    except SourceEnded:
+        return k * CONTROL_DT, None
+    finally:
+        source.close()
+
+
+def _spec(clip: Path) -> str:
+    return f"{'bvh' if clip.suffix == '.bvh' else 'frames'}:{clip}"
+
+
+def _row(
+    name: str,
+    config: PuppeteerConfig,
+    every: float,
+    falls: list[tuple[float, tuple[float, float | None]]],
+) -> dict[str, Any]:
+    fell = [round(start + after, 1) for start, (_, after) in falls if after is not None]
+    return {
+        "case": name,
+        "controller": config.controller or "policy",
+        "seed": config.seed,
+        "every_s": every,
+        "starts": len(falls),
+        "fell": len(fell),
+        "fell_at_s": fell,
+        "seconds": sum(driven for _, (driven, _) in falls),
+    }
