@@ -14,6 +14,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 from scipy.stats import chi2
 
@@ -120,15 +121,11 @@ def _each(jobs: Sequence[tuple[Case, int]], processes: int, cache: Path | None) 
 def _kept(case: Case, seed: int, file: Path | None) -> Run:
     """`endure`, or what it said before."""
     if file is not None and file.exists():
-        return Run(**{k: tuple(v) if isinstance(v, list) else v for k, v in _read(file).items()})
+        return msgspec.json.decode(file.read_bytes(), type=Run)
     run = endure(case, seed)
     if file is not None:
         write_whole(file, json.dumps(asdict(run)), parents=True)
     return run
-
-
-def _read(file: Path) -> dict[str, Any]:
-    return json.loads(file.read_text())
 
 
 def _file(cache: Path | None, case: Case, seed: int) -> Path | None:

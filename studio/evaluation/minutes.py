@@ -21,7 +21,7 @@ from studio.human.calibration import calibrate
 from studio.options import ControllerName
 from studio.puppeteer import Puppeteer
 from studio.reference import gait
-from studio.reference.intent import STATES
+from studio.reference.intent import STATES, StateName
 from studio.rl.noise import NoiseConfig
 from studio.robot.a1 import CONTROL_DT
 from studio.sim import randomize
@@ -124,7 +124,7 @@ def _tracker(case: Case, seed: int) -> Tracker:
     gains: dict[str, Any] = HOLDS[case.holds]
     tracker = open_controller(case.controller)
     if gains:
-        policies = {state: Policy.load(state) for state in STATES}
+        policies: dict[StateName, Policy] = {state: Policy.load(state) for state in STATES}
         walk = policies["walk"]
         policies["walk"] = walk.observing(replace(walk.observation, **gains))
         tracker = PolicyTracker(policies)
