@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
-from studio.control.trackers.tracker import Situation, Tracker
+from studio.control.trackers import Tracker, TrackerInput
 from studio.human.pose import HumanPose
 from studio.human.skeleton import INDEX
 from studio.mocap.report import SourceReport
@@ -112,15 +112,15 @@ class Sensed(Tracker):
         tilt = noise.imu_bias * self._rng.standard_normal(2)
         self._imu_bias = geometry.quat_from_rotvec(np.append(tilt, 0.0))
 
-    def reset(self, now: Situation) -> None:
+    def reset(self, now: TrackerInput) -> None:
         """As the controller's."""
         self._tracker.reset(self._felt(now))
 
-    def act(self, now: Situation) -> NDArray[np.float64]:
+    def act(self, now: TrackerInput) -> NDArray[np.float64]:
         """As the controller's."""
         return self._tracker.act(self._felt(now))
 
-    def _felt(self, now: Situation) -> Situation:
+    def _felt(self, now: TrackerInput) -> TrackerInput:
         robot, noise, rng = now.robot, self._noise, self._rng
         felt = replace(
             robot,

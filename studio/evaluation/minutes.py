@@ -12,9 +12,7 @@ from numpy.typing import NDArray
 from studio.control.command import PuppeteerConfig
 from studio.control.policy import Policy
 from studio.control.staleness import stale_command
-from studio.control.trackers import open_controller
-from studio.control.trackers.policy import PolicyTracker
-from studio.control.trackers.tracker import Tracker
+from studio.control.trackers import PolicyTracker, Tracker, open_controller
 from studio.evaluation.impaired import IMPAIRMENTS, Impaired, Sensed
 from studio.evaluation.styles import walking
 from studio.human.calibration import calibrate

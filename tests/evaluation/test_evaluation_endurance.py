@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studio import geometry
-from studio.control.trackers.tracker import Situation, Tracker
+from studio.control.trackers import Tracker, TrackerInput
 from studio.errors import StudioError
 from studio.evaluation import endurance as en
 from studio.evaluation import minutes
@@ -99,15 +99,15 @@ class Feeling(Tracker):
     name = "feeling"
 
     def __init__(self) -> None:
-        self.felt: list[Situation] = []
+        self.felt: list[TrackerInput] = []
 
-    def act(self, now: Situation) -> np.ndarray:
+    def act(self, now: TrackerInput) -> np.ndarray:
         self.felt.append(now)
         return now.reference.joint_pos
 
 
 def test_cheap_sensors_have_a_bias_of_their_own_and_noise():
-    now = Situation(reference=World().state, robot=World().state, state="stand")  # type: ignore[arg-type]
+    now = TrackerInput(reference=World().state, robot=World().state, state="stand")  # type: ignore[arg-type]
     noise = NoiseConfig()
 
     def felt(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
