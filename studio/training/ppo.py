@@ -14,7 +14,6 @@ from studio.control.symmetry import observation_mirror, privileged_mirror
 from studio.rl.env import ImitationEnv
 from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 from studio.training.device import threads
-from studio.training.learner import Learner
 from studio.training.parallel import SINGLE_PROCESS, ProcessGroup
 
 
@@ -128,7 +127,7 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig, group: ProcessGroup = SINGLE_P
     }
     batch = env.num_envs * ppo.horizon
     algorithm: dict[str, Any] = {
-        "class_name": Learner if env.device == "cpu" else PPO,  # by hand where it is faster
+        "class_name": PPO,
         "num_learning_epochs": ppo.epochs,
         "num_mini_batches": max(batch // ppo.minibatch, 1),
         "clip_param": ppo.clip,
@@ -158,7 +157,7 @@ def make_algorithm(env: TorchEnv, ppo: PpoConfig, group: ProcessGroup = SINGLE_P
     }
     with contextlib.redirect_stdout(io.StringIO()):  # the library prints its models
         alg = PPO.construct_algorithm(env.present(), cast(Any, env), settings, env.device)
-    if not isinstance(alg, Learner) and alg.symmetry is not None and not ppo.mirror_loss:
+    if alg.symmetry is not None and not ppo.mirror_loss:
         # It would forward the whole mirrored batch once more for a figure nobody reads.
         alg.symmetry.compute_loss = lambda *_: torch.zeros(())  # type: ignore[method-assign]
     # A zero last layer: training starts as PD playback, not as noise about it.

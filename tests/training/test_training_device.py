@@ -10,10 +10,10 @@ from studio.rl.bank import MotionBank, build_bank
 from studio.rl.curriculum import Curriculum, Stage
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
-from studio.training.device import check_device, devices
+from studio.training.device import check_device, devices, threads
 from studio.training.policy_settings import PolicyTraining
 from studio.training.policy_trainer import PolicyTrainer
-from studio.training.ppo import PpoConfig, TorchEnv
+from studio.training.ppo import PpoConfig, TorchEnv, threads_to_act
 
 SMALL = PpoConfig(horizon=6, epochs=1, minibatch=48, hidden=(32, 32))
 
@@ -77,3 +77,11 @@ def test_a_run_begun_on_an_accelerator_goes_on_on_the_processor(
     again.restore(tmp_path / "checkpoint.safetensors")
     again.step()
     assert again.samples == second.samples
+
+
+def test_acting_wakes_no_thread_that_does_not_pay() -> None:
+    before = torch.get_num_threads()
+    with threads(4):
+        assert torch.get_num_threads() == 4
+        assert [threads_to_act(n) for n in (2, 512, 2048, 100_000)] == [1, 1, 2, 4]
+    assert torch.get_num_threads() == before

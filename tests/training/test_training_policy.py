@@ -11,6 +11,7 @@ from tensordict import TensorDict
 
 from studio.control.policy import Policy, save_policy
 from studio.errors import StudioError
+from studio.rl import episodes
 from studio.rl.bank import MotionBank, build_bank
 from studio.rl.curriculum import Curriculum, Stage
 from studio.rl.env import ImitationEnv
@@ -281,23 +282,35 @@ def test_a_teacher_is_not_published_and_wants_samples_to_teach_in() -> None:
 
 
 @pytest.mark.slow
-def test_ppo_alone_learns_to_keep_a_sitting_robot_up() -> None:
-    """No teacher, full Table I: PD playback tips over on slopes, 60,000 samples later less so."""
+def test_ppo_alone_learns_to_keep_a_sitting_robot_up(tmp_path: Path) -> None:
+    """No teacher, full Table I: PD playback tips over on slopes, 60,000 samples later less so.
+
+    Mean of two runs on the same 128 episodes, where eight runs tracked .13 to .26 more of the time
+    than PD playback, were up .05 to .15 more of it and erred by .4 to .7 degrees less.
+    """
     bank = build_bank("sit", per_task=4, seconds=4.0, difficulties=(1.0,))
     stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=1.0)
-    env = ImitationEnv(
-        EnvConfig(num_envs=64, threads=1), bank, seed=1, curriculum=Curriculum(ladder=[stage])
-    )
-    ppo = PpoConfig(mirror=False, minibatch=384)
-    alone = PolicyTrainer(
-        PolicyTraining(state="sit", num_envs=64, threads=1, distil=0, seed=1, ppo=ppo), env
-    )
-    figures = [alone.step() for _ in range(40)]
-    first, last = figures[:5], figures[-5:]
 
-    def mean(part: list[dict[str, float]], name: str) -> float:
-        return float(np.mean([f[name] for f in part if name in f]))
+    def figures(act: episodes.Act) -> np.ndarray:
+        out = episodes.run_episodes(episodes.evaluation_env(bank, 128, 100, threads=1), act)
+        joints = np.degrees(np.sqrt(out["joint_ms"].mean()))
+        return np.array([out["tracked_time"].mean(), out["success_time"].mean(), joints])
 
-    assert mean(last, "tracked_time_ratio") > mean(first, "tracked_time_ratio") + 0.15
-    assert mean(last, "fall_rate") < 0.85 * mean(first, "fall_rate")
-    assert mean(last, "reward") > mean(first, "reward") + 0.04
+    learnt = []
+    for seed in (1, 2):
+        env = ImitationEnv(
+            EnvConfig(num_envs=64, threads=1), bank, seed, Curriculum(ladder=[stage])
+        )
+        ppo = PpoConfig(mirror=False, minibatch=384)
+        alone = PolicyTrainer(
+            PolicyTraining(state="sit", num_envs=64, threads=1, distil=0, seed=seed, ppo=ppo), env
+        )
+        for _ in range(40):
+            alone.step()
+        weights = tmp_path / f"{seed}.safetensors"
+        save_policy(weights, alone.tensors(), alone.manifest(scores={}))
+        learnt.append(figures(episodes.policy_of(Policy.load(weights))))
+    more = np.mean(learnt, axis=0) - figures(episodes.pd_playback)
+    assert more[0] > 0.1
+    assert more[1] > 0.03
+    assert more[2] < -0.3

@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 import torch
+from rsl_rl.algorithms import PPO
 from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
 
 from studio.control.policy import Policy
 from studio.errors import StudioError
 from studio.training import checkpoint
 from studio.training.device import threads
-from studio.training.learner import Learner
 from studio.training.policy import run_train_policy
 from studio.training.policy_settings import PolicyTraining
 from studio.training.ppo import PpoConfig
@@ -98,13 +98,13 @@ def test_a_run_learns_on_every_core_that_is_its_own(
     settings: PolicyTraining, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     seen: list[int] = []
-    update = Learner.update
+    update = PPO.update
 
-    def watched(self: Learner) -> dict[str, float]:
+    def watched(self: PPO) -> dict[str, float]:
         seen.append(torch.get_num_threads())
         return update(self)
 
-    monkeypatch.setattr(Learner, "update", watched)
+    monkeypatch.setattr(PPO, "update", watched)
     monkeypatch.setattr("studio.training.parallel.cores", lambda: 6)
     with threads(1):  # as the command line has it
         run_train_policy(settings)
