@@ -47,11 +47,6 @@ def level_quat(state: StateName) -> tuple[float, float, float, float]:
     return float(w), float(x), float(y), float(z)
 
 
-def levelled(base_quat: Array, level: Array) -> Array:
-    """(N, 4) T_world_level: the trunk's orientation with the neutral tilt `level` taken off."""
-    return geometry.quat_mul(base_quat, geometry.quat_conj(level))
-
-
 def roll_pitch(quat: Array, level: Array = geometry.IDENTITY_QUAT) -> Array:
     """(N, 2) rad, roll and pitch of the levelled trunk (N, 4) against its own world's vertical.
 
@@ -67,7 +62,7 @@ def roll_pitch(quat: Array, level: Array = geometry.IDENTITY_QUAT) -> Array:
 
 
 def heading_of(quat: Array, level: Array) -> Array:
-    """(N,) rad heading of the levelled trunk, `geometry.heading(levelled(quat, level))`.
+    """(N,) rad heading of the trunk `quat` (N, 4) with the neutral tilt `level` (4,) taken off.
 
     The levelled x axis, seen from the trunk, is the first row of R(level); turned into the world
     and laid on the ground.

@@ -53,7 +53,7 @@ class Calibration:
         return self.leg_length / LEG_LENGTH
 
     def mirrored(self) -> "Calibration":
-        """The calibration of the mirror image (`canonical.mirror_pose`) of the same person."""
+        """The calibration of the mirror image (in the source's x-z plane) of the same person."""
         return replace(self, heading=-self.heading, bone_length=self.bone_length[MIRROR_BONES])
 
 

@@ -9,8 +9,6 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.human.calibration import Calibration
-from studio.human.pose import HumanPose
 from studio.human.posture import SEEN
 from studio.human.skeleton import (
     ANKLE_HEIGHT,
@@ -20,8 +18,6 @@ from studio.human.skeleton import (
     CHAIN,
     INDEX,
     MIRROR,
-    MIRROR_BONES,
-    NEUTRAL_DIRECTION,
     NUM_BONES,
     NUM_JOINTS,
 )
@@ -71,29 +67,3 @@ def pelvis_height(joint_pos: Array) -> Array | float:
     sensor, and the lower foot stands flat but for tiptoe.
     """
     return ANKLE_HEIGHT - (joint_pos[..., ANKLES, 2] - joint_pos[..., :1, 2]).min(axis=-1)
-
-
-def canonical_pose(pose: HumanPose, calibration: Calibration, mirror: bool = False) -> Array:
-    """The person on the template's body, (19, 3) m: heading removed, pelvis at x = y = 0.
-
-    The lower sole lies at z = 0. Bones not seen take the neutral pose's direction. `mirror` shows
-    the person as a mirror would.
-    """
-    direction, _, seen = bone_directions(pose.joint_pos_w, pose.confidence)
-    direction = np.where(
-        seen[:, None], direction @ heading_axes(calibration.heading), NEUTRAL_DIRECTION
-    )
-    if mirror:
-        direction = direction[MIRROR_BONES] * FLIP_Y
-    joints = rebuild(direction)
-    joints[:, 2] += pelvis_height(joints)
-    return joints
-
-
-def mirror_pose(pose: HumanPose) -> HumanPose:
-    """The mirror image in the source's x-z plane: left is right; twice gives the pose again."""
-    return HumanPose(
-        t=pose.t,
-        joint_pos_w=pose.joint_pos_w[MIRROR_JOINTS] * FLIP_Y,
-        confidence=pose.confidence[MIRROR_JOINTS],
-    )

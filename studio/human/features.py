@@ -87,8 +87,6 @@ def _points(direction: Array) -> Array:
 _L_ANKLE, _R_ANKLE = (int(a) for a in ANKLES)
 _LEGS = np.array([BONES.index(f"{s}_{b}") for s in "lr" for b in ("hip", "knee", "ankle")])
 _KEEP = np.array([*range(HEIGHT), 3 * NUM_JOINTS - 1])
-NEUTRAL_Q: Array = _points(NEUTRAL_DIRECTION).ravel()[_KEEP]
-"""(F,) q of the template's neutral stand: what a lost person eases to."""
 
 
 class FeatureExtractor:

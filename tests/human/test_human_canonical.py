@@ -4,11 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from canonical_people import canonical_pose, mirror_pose
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.human.calibration import Calibration, Calibrator, calibrate
-from studio.human.canonical import canonical_pose, heading_axes, mirror_pose, pelvis_height
+from studio.human.canonical import heading_axes, pelvis_height
 from studio.human.pose import HumanPose
 from studio.human.posture import body_heading, is_upright
 from studio.human.skeleton import (

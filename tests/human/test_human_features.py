@@ -4,14 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from canonical_people import NEUTRAL_Q, mirror_pose
 
 from studio.human.calibration import Calibration, calibrate
-from studio.human.canonical import mirror_pose
 from studio.human.features import (
     FEATURE_DIM,
     FEATURE_NAMES,
     HEIGHT,
-    NEUTRAL_Q,
     FeatureExtractor,
     clip_features,
     joints_of,

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from canonical_people import NEUTRAL_Q
 
 from studio import geometry
-from studio.human.features import NEUTRAL_Q
 from studio.human.skeleton import BONES
 from studio.reference import gait
 from studio.retarget.semantic import (

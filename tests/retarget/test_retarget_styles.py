@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from canonical_people import NEUTRAL_Q
 
 from studio import geometry
 from studio.errors import StudioError
 from studio.human.calibration import calibrate
-from studio.human.features import FEATURE_DIM, NEUTRAL_Q
+from studio.human.features import FEATURE_DIM
 from studio.reference import gait
 from studio.reference.marching import Bout, march_track
 from studio.retarget.experts import EXPERTS
