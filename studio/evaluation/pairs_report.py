@@ -14,6 +14,7 @@ import numpy as np
 
 from studio.errors import StudioError
 from studio.evaluation.pairs import Options, run_pairs
+from studio.files import write_whole
 
 log = logging.getLogger(__name__)
 BEGIN, END = "<!-- table: evaluate pairs -->", "<!-- end of table -->"
@@ -53,7 +54,7 @@ def report(config: Report) -> dict[str, Any]:
         raise StudioError(f"{config.out} has no place for the table: {BEGIN} … {END}")
     marked = re.compile(f"{re.escape(BEGIN)}.*{re.escape(END)}", re.DOTALL)
     made = f"{BEGIN}\n{config.steps} gradient steps a state. {table(rows)}\n{END}"
-    config.out.write_text(marked.sub(made, text))
+    write_whole(config.out, marked.sub(made, text))
     return {"page": str(config.out), "rows": rows}
 
 

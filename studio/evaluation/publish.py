@@ -14,7 +14,7 @@ import tyro
 from studio.control.policy import MODELS
 from studio.errors import StudioError
 from studio.evaluation.tracking import Options, run_tracking
-from studio.files import whole
+from studio.files import whole, write_whole
 from studio.reference.intent import StateName
 
 SCORES = (
@@ -75,7 +75,7 @@ def publish(config: Publish) -> dict[str, Any]:
     sidecar = stage / f"{config.state}.json"
     manifest = json.loads(sidecar.read_text())
     manifest["scores"] = {"episodes": config.episodes, "seed": config.seed, **scores}
-    sidecar.write_text(json.dumps(manifest, indent=1) + "\n")
+    write_whole(sidecar, json.dumps(manifest, indent=1) + "\n")
     for file in sorted(p for p in stage.rglob("*") if p.is_file()):
         target = MODELS / file.relative_to(stage)
         with whole(target, parents=True) as scratch:

@@ -9,6 +9,7 @@ from typing import Any
 
 from studio.errors import unknown_name
 from studio.evaluation.options import AllOptions
+from studio.files import write_whole
 
 KEPT = Path("runs/evaluate/tables")
 """Where each table is kept as last made, for `a1-studio report`."""
@@ -63,8 +64,8 @@ def run_table(name: str, options: Any, *, keep: Path | None = KEPT) -> dict[str,
         return _run_all(options, keep=keep)
     made = table(name).run(options)
     if keep is not None:
-        keep.mkdir(parents=True, exist_ok=True)
-        (keep / f"{name}.json").write_text(json.dumps(made["rows"], default=float))
+        rows = json.dumps(made["rows"], default=float)
+        write_whole(keep / f"{name}.json", rows, parents=True)
     return made
 
 

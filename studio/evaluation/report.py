@@ -20,6 +20,7 @@ from studio.errors import StudioError
 from studio.evaluation.registry import KEPT
 from studio.evaluation.report_goals import GOALS
 from studio.evaluation.report_tables import TABLES, Column, Rows
+from studio.files import write_whole
 from studio.training.machine import commit
 
 
@@ -64,8 +65,7 @@ def make(config: Report) -> dict[str, Any]:
         raise StudioError(f"no table in {config.tables} yet: `a1-studio evaluate all` makes them")
     machine = f"{os.cpu_count()} cores, {platform.machine()}"
     facts = f"By `a1-studio report` at {commit()}; {machine}."
-    config.out.parent.mkdir(parents=True, exist_ok=True)
-    config.out.write_text(page(tables, facts), encoding="utf-8")
+    write_whole(config.out, page(tables, facts), parents=True)
     return {"page": str(config.out), "tables": list(tables)}
 
 

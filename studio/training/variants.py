@@ -16,6 +16,7 @@ import numpy as np
 
 from studio.control.policy import MODELS
 from studio.errors import unknown_name
+from studio.files import whole, write_whole
 from studio.training.policy_settings import PolicyTraining
 from studio.training.recipes import PolicyName, Recipe
 
@@ -62,7 +63,8 @@ def weights(state: str, name: str, models: Path = MODELS) -> Path:
 
 def publish(source: Path, target: Path, name: str) -> None:
     """Copy weights and sidecar, which then says which variant it is and what that changes."""
-    shutil.copy(source, target)
+    with whole(target) as scratch:
+        shutil.copy(source, scratch)
     manifest = json.loads(source.with_suffix(".json").read_text())
     manifest["variant"] = {"name": name, "changes": VARIANTS[name]}
-    target.with_suffix(".json").write_text(json.dumps(manifest, indent=1) + "\n")
+    write_whole(target.with_suffix(".json"), json.dumps(manifest, indent=1) + "\n")

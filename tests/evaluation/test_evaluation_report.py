@@ -1,6 +1,7 @@
 """The page of scores: goals judged by the worst row, tables of what was made."""
 
 import json
+import os
 from pathlib import Path
 
 import pytest
@@ -169,3 +170,15 @@ def test_rows_of_unlike_numbers_of_episodes_say_so():
     assert _episodes(rows) == "1024 to 5120 episodes a row"
     assert _episodes(rows[:1]) == "5120 episodes a row"
     assert _episodes([{"episodes": 1}]) == "one episode a case"
+
+
+def test_a_page_made_anew_takes_the_place_of_the_older_one(tmp_path: Path) -> None:
+    (tmp_path / "walk.json").write_text(json.dumps(walk_rows(0.45)))
+    out, older = tmp_path / "pages" / "report.md", tmp_path / "older.md"
+    make(Report(out=out, tables=tmp_path))
+    os.link(out, older)  # somebody reads it meanwhile
+    before = older.read_text()
+    (tmp_path / "walk.json").write_text(json.dumps(walk_rows(0.3)))
+    make(Report(out=out, tables=tmp_path))
+    assert older.read_text() == before
+    assert out.read_text() != before

@@ -1,5 +1,7 @@
 """The tables of second policies: the future's worth, the curriculum's, by the shipped weights."""
 
+import json
+import os
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,7 @@ from studio.evaluation.curriculum import ROWS as CURRICULUM
 from studio.evaluation.curriculum import run_curriculum
 from studio.evaluation.future import ROWS as FUTURE
 from studio.evaluation.future import run_future
+from studio.training.variants import publish
 
 
 @pytest.mark.slow
@@ -46,3 +49,19 @@ def test_the_future_and_the_curriculum_are_told_by_the_same_few_walks(
 def test_variants_that_are_not_trained_have_no_rows(tmp_path: Path) -> None:
     assert run_future(future_table.Options(episodes=1), models=tmp_path) == {"rows": []}
     assert run_curriculum(curriculum_table.Options(episodes=1), models=tmp_path) == {"rows": []}
+
+
+def test_a_variant_that_is_published_again_takes_the_place_of_the_older_one(tmp_path: Path) -> None:
+    """Whoever reads the older one meanwhile has it whole: nothing is written into its files."""
+    made, kept = tmp_path / "policy.safetensors", tmp_path / "walk-full.safetensors"
+    older = []
+    for content in (b"old", b"new"):
+        made.write_bytes(content)
+        made.with_suffix(".json").write_text(json.dumps({"samples": len(older)}))
+        publish(made, kept, "full")
+        for file in (kept, kept.with_suffix(".json")):
+            older.append(file.with_name(f"{content.decode()}-{file.name}"))
+            os.link(file, older[-1])
+    assert [file.read_bytes() for file in (older[0], older[2])] == [b"old", b"new"]
+    assert [json.loads(file.read_text())["samples"] for file in (older[1], older[3])] == [0, 2]
+    assert len(list(tmp_path.iterdir())) == 8
