@@ -37,7 +37,7 @@ def run(loop, seconds):
 
 def ask(loop, command):
     answers = []
-    asker = threading.Thread(target=lambda: answers.append(loop.submit(command, timeout=20.0)))
+    asker = threading.Thread(target=lambda: answers.append(loop.submit(command, timeout=120.0)))
     asker.start()
     while True:
         asker.join(0.01)  # motions are drawn on its thread meanwhile: leave it the machine

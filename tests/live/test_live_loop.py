@@ -75,7 +75,7 @@ def run(loop, seconds):
 def ask(loop, command):
     """Submit from another thread while this one turns the loop, as the gateway does."""
     answers = []
-    asker = threading.Thread(target=lambda: answers.append(loop.submit(command, timeout=20.0)))
+    asker = threading.Thread(target=lambda: answers.append(loop.submit(command, timeout=120.0)))
     asker.start()
     while asker.is_alive():
         run(loop, DT)
@@ -468,7 +468,7 @@ def test_the_thread_ticks_thirty_times_a_second_and_ends_in_good_order(tmp_path)
     loop = LiveLoop(RuntimeConfig(sessions=tmp_path), clock=WallClock())
     loop.start()
     try:
-        version, tick = loop.ticks.wait(20, timeout=20.0)
+        version, tick = loop.ticks.wait(20, timeout=120.0)
         assert version > 20
         assert tick is not None
         assert loop.submit(c.SetStateLock(state="stand")).ok

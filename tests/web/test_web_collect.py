@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from acted_takes import acted_take, record
+from browsing import PATIENCE
 
 from studio.retarget.store import style_dir
 from studio.takes.edit.edits import read_edits
@@ -16,7 +17,7 @@ from studio.takes.record.recorder import Recorder
 QUICK = {"task": "tilt", "takes": 1, "seconds": 2.0}
 
 
-def until(studio, phase, seconds=40.0):
+def until(studio, phase, seconds=PATIENCE):
     return studio.wait(lambda s: s["collect"]["phase"] == phase, seconds)
 
 
@@ -163,7 +164,7 @@ def test_takes_train_a_mapper_that_is_swapped_in_compared_and_rolled_back(collec
     body = {"takes": names, "states": ["stand"], "name": f"t{int(time.time())}", "steps": 60}
     assert client.post("/api/train", json=body).status_code == 200
     assert client.post("/api/train", json={**body, "name": "two"}).status_code == 409
-    deadline = time.monotonic() + 120.0
+    deadline = time.monotonic() + PATIENCE
     while (job := client.get("/api/train").json())["status"] == "running":
         assert time.monotonic() < deadline, job
         time.sleep(0.2)

@@ -5,6 +5,7 @@ import threading
 import time
 
 import pytest
+from browsing import PATIENCE
 
 from studio.live.commands import SetSource
 from studio.live.loop import LiveLoop
@@ -19,7 +20,7 @@ def health(studio) -> tuple[int, dict]:
     return answer.status_code, answer.json()
 
 
-def wait_for(true, seconds=30.0):
+def wait_for(true, seconds=PATIENCE):
     """The first value that is true."""
     deadline = time.monotonic() + seconds
     while not (value := true()):
@@ -53,7 +54,7 @@ def test_a_tick_that_cannot_be_encoded_is_lost_alone(well, monkeypatch):
 
     monkeypatch.setattr(feed, "tick_json", sometimes)
     with well.ws("/api/ticks") as ws:
-        seen = [json.loads(ws.recv(timeout=20))["index"] for _ in range(40)]
+        seen = [json.loads(ws.recv(timeout=PATIENCE))["index"] for _ in range(40)]
     assert failed
     assert not set(seen) & set(failed)
     assert max(seen) > min(failed)
@@ -76,7 +77,7 @@ def test_a_feed_that_ended_is_started_again_and_health_says_so(well, monkeypatch
     with well.ws("/api/ticks") as ws:
         wait_for(ended.is_set)
         before = well.state()["t"]
-        while json.loads(ws.recv(timeout=20))["t"] <= before:
+        while json.loads(ws.recv(timeout=PATIENCE))["t"] <= before:
             pass
     assert "the feed ended and was started again" in health(well)[1]["why"]
 
@@ -109,11 +110,11 @@ def test_a_control_loop_that_ended_is_started_again_with_its_robot_stopped(well,
 
     monkeypatch.setattr(LiveLoop, "_collect", end_once)
     wait_for(ended.is_set)
-    state = well.wait(lambda s: s["stopped"], 30.0)
+    state = well.wait(lambda s: s["stopped"])
     assert "control loop had ended" in state["why"]
     assert not state["armed"]
     before = well.state()["t"]
-    well.wait(lambda s: s["t"] > before, 30.0)
+    well.wait(lambda s: s["t"] > before)
     assert "the control loop ended and was started again" in health(well)[1]["why"]
 
 
@@ -125,7 +126,7 @@ def test_control_periods_that_fail_are_degraded_and_503_until_they_do_not(well, 
 
     with monkeypatch.context() as patched:
         patched.setattr(Runtime, "step", fail)
-        state = well.wait(lambda s: s["stopped"], 30.0)
+        state = well.wait(lambda s: s["stopped"])
         assert (state["armed"], state["needs_reset"]) == (False, True)
         assert "somebody" in state["why"]  # for who has the token
         status, said = health(well)
@@ -143,7 +144,7 @@ def test_a_loop_that_hangs_is_degraded(well, monkeypatch):
 
     def slow(self, now):
         hang.set()
-        assert go_on.wait(60.0)
+        assert go_on.wait(PATIENCE)
         return step(self, now)
 
     with monkeypatch.context() as patched:
@@ -164,7 +165,7 @@ def test_sources_that_take_long_to_open_hold_up_no_reset(studio_live, monkeypatc
 
     def slow(self, session):
         waiting.set()
-        assert go_on.wait(60.0)
+        assert go_on.wait(PATIENCE)
         return prepare(self, session)
 
     monkeypatch.setattr(SetSource, "prepare", slow)
@@ -176,7 +177,7 @@ def test_sources_that_take_long_to_open_hold_up_no_reset(studio_live, monkeypatc
     for ask in asks:
         ask.start()
     try:
-        assert waiting.wait(30.0)
+        assert waiting.wait(PATIENCE)
         assert post("/api/reset").status_code == 200
         assert post("/api/mode", json={"mode": "idle"}).json()["mode"] == "idle"
     finally:
@@ -190,7 +191,7 @@ def test_sources_that_take_long_to_open_hold_up_no_reset(studio_live, monkeypatc
 
 def acknowledged(ws) -> dict:
     while True:
-        message = json.loads(ws.recv(timeout=20))
+        message = json.loads(ws.recv(timeout=PATIENCE))
         if message["type"] == "stopped":
             return message
 
@@ -229,7 +230,7 @@ def test_a_stop_with_an_odd_number_stops_all_the_same(studio_live, number):
 def test_a_message_too_large_for_a_page_is_answered_and_not_read(studio_live):
     with studio_live.ws("/api/control") as ws:
         ws.send(json.dumps({"type": "stop", "note": "x" * 1_000_000}))
-        while (message := json.loads(ws.recv(timeout=20)))["type"] == "state":
+        while (message := json.loads(ws.recv(timeout=PATIENCE)))["type"] == "state":
             pass
         assert "bytes" in message["error"]
     assert studio_live.state()["stopped"] is False
