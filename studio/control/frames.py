@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 def sensor_frame(robot: RobotState, level: Matrix, yaw_rate: bool) -> Array:
     """z (17,), or (16,) without `yaw_rate`; level: the rows of its state's T_level_base."""
-    roll, pitch = _tilt(robot.base_quat.tolist(), level)
+    roll, pitch = _tilt(scalars.rows(robot.base_quat.tolist())[2], level)
     rates = scalars.rotate(level, robot.base_ang_vel_b.tolist())
     return np.array([*robot.joint_pos.tolist(), roll, pitch, *(rates if yaw_rate else rates[:2])])
 
@@ -27,15 +27,13 @@ def sensor_frame(robot: RobotState, level: Matrix, yaw_rate: bool) -> Array:
 def reference_frame(reference: ReferencePose, level: Matrix) -> Array:
     """The reference's frame (18,); level: the rows of its state's T_level_base."""
     quat = reference.base_quat.tolist()
-    w, x, y, z = quat
-    a, b, c = level[0]
-    east = (1 - 2 * (y * y + z * z)) * a + 2 * (x * y - w * z) * b + 2 * (x * z + w * y) * c
-    north = 2 * (x * y + w * z) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z - w * x) * c
+    turned = scalars.rows(quat)
+    east, north, _ = scalars.rotate(turned, level[0])
     flat = hypot(east, north)
     cos, sin = (east / flat, north / flat) if flat > 0.0 else (1.0, 0.0)
     vx, vy, _ = reference.base_lin_vel_w.tolist()
-    roll, pitch = _tilt(quat, level)
-    ux, uy, uz = _up(quat)
+    ux, uy, uz = up = turned[2]
+    roll, pitch = _tilt(up, level)
     rx, ry, rz = reference.base_ang_vel_b.tolist()
     return np.array(
         [
@@ -50,12 +48,7 @@ def reference_frame(reference: ReferencePose, level: Matrix) -> Array:
     )
 
 
-def _up(quat: Sequence[float]) -> tuple[float, float, float]:
-    """The world's up in the body."""
-    w, x, y, z = quat
-    return 2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)
-
-
-def _tilt(quat: Sequence[float], level: Matrix) -> tuple[float, float]:
-    ux, uy, uz = scalars.rotate(level, _up(quat))
+def _tilt(up: Sequence[float], level: Matrix) -> tuple[float, float]:
+    """Of the world's up in the body."""
+    ux, uy, uz = scalars.rotate(level, up)
     return atan2(uy, uz), asin(min(max(-ux, -1.0), 1.0))

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from studio import geometry
 from studio.control import odometry
 from studio.errors import StudioError
+from studio.reference import scalars
 from studio.reference.intent import StateName
 from studio.robot import a1
 
@@ -52,9 +53,7 @@ def roll_pitch(quat: Array, level: Array = geometry.IDENTITY_QUAT) -> Array:
 
     With u the world's z in the levelled frame: roll = atan2(u_y, u_z), pitch = −asin u_x.
     """
-    w, x, y, z = quat[..., 0], quat[..., 1], quat[..., 2], quat[..., 3]
-    up_b = np.stack([2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)], axis=-1)
-    up = up_b @ _matrix(level).T
+    up = geometry.up_in_body(quat) @ scalars.matrix(level.tolist()).T
     out = np.empty(up.shape[:-1] + (2,))
     out[..., 0] = np.arctan2(up[..., 1], up[..., 2])
     out[..., 1] = np.arcsin(np.minimum(np.maximum(-up[..., 0], -1.0), 1.0))
@@ -67,23 +66,11 @@ def heading_of(quat: Array, level: Array) -> Array:
     The levelled x axis, seen from the trunk, is the first row of R(level); turned into the world
     and laid on the ground.
     """
-    a, b, c = _matrix(level)[0].tolist()
+    a, b, c = scalars.matrix(level.tolist())[0].tolist()
     w, x, y, z = quat[..., 0], quat[..., 1], quat[..., 2], quat[..., 3]
     east = (1 - 2 * (y * y + z * z)) * a + 2 * (x * y - w * z) * b + 2 * (x * z + w * y) * c
     north = 2 * (x * y + w * z) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z - w * x) * c
     return np.arctan2(north, east)
-
-
-def _matrix(level: Array) -> Array:
-    """(3, 3) rotation matrix of one quaternion, in plain numbers: this runs every period."""
-    w, x, y, z = level.tolist()
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def sensor_frame(
@@ -95,7 +82,7 @@ def sensor_frame(
     (N, 3) rad/s, body. level: (4,) T_level_base of the state. The rates are those about the
     levelled trunk's x, y and z.
     """
-    rates = gyro_b @ _matrix(level).T
+    rates = gyro_b @ scalars.matrix(level.tolist()).T
     tilt = roll_pitch(imu_quat, level)
     return np.concatenate([joint_pos, tilt, rates if yaw_rate else rates[..., :2]], axis=-1)
 
@@ -112,15 +99,14 @@ def reference_frame(
     yaw = heading_of(base_quat, level)
     c, s = np.cos(yaw), np.sin(yaw)
     vx, vy = base_lin_vel_w[..., 0], base_lin_vel_w[..., 1]
-    w, x, y, z = base_quat[..., 0], base_quat[..., 1], base_quat[..., 2], base_quat[..., 3]
+    up = geometry.up_in_body(base_quat)
     rx, ry, rz = base_ang_vel_b[..., 0], base_ang_vel_b[..., 1], base_ang_vel_b[..., 2]
     out = np.empty(joint_pos.shape[:-1] + (REFERENCE_DIM,))
     out[..., :12] = joint_pos
     out[..., 12] = base_height
     out[..., 13:15] = roll_pitch(base_quat, level)
     # The vertical part of R(q) ω is the turning seen from above.
-    out[..., 15] = 2 * (x * z - w * y) * rx + 2 * (y * z + w * x) * ry
-    out[..., 15] += (1 - 2 * (x * x + y * y)) * rz
+    out[..., 15] = up[..., 0] * rx + up[..., 1] * ry + up[..., 2] * rz
     out[..., 16] = c * vx + s * vy
     out[..., 17] = -s * vx + c * vy
     return out

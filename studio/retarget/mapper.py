@@ -15,6 +15,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from studio import geometry
 from studio.reference import scalars
 from studio.retarget.network import Mlp
 from studio.robot import a1
@@ -147,13 +148,5 @@ def root_quat(raw: Array, neutral_quat: Array) -> Array:
         return np.array(turned) / max(math.sqrt(w * w + x * x + y * y + z * z), 1e-6)
     w, x, y, z = raw[..., 0] + 1.0, raw[..., 1], raw[..., 2], raw[..., 3]
     inv = 1.0 / np.sqrt(np.maximum(w * w + x * x + y * y + z * z, 1e-12))
-    a, b, c, d = neutral_quat
-    return np.stack(
-        [
-            (w * a - x * b - y * c - z * d) * inv,
-            (w * b + x * a + y * d - z * c) * inv,
-            (w * c - x * d + y * a + z * b) * inv,
-            (w * d + x * c - y * b + z * a) * inv,
-        ],
-        axis=-1,
-    )
+    turned = geometry.quat_mul(np.stack([w, x, y, z], axis=-1), neutral_quat)
+    return turned * inv[..., None]

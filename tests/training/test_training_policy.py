@@ -283,6 +283,7 @@ def test_a_teacher_is_not_published_and_wants_samples_to_teach_in() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)
 def test_ppo_alone_learns_to_keep_a_sitting_robot_up(tmp_path: Path) -> None:
     """No teacher, full Table I: PD playback tips over on slopes, 60,000 samples later less so.
 
