@@ -177,6 +177,18 @@ class SourceReport(TypedDict):
     notes: list[str]
 
 
+class JointMapAnswer(TypedDict):
+    """GET /api/joint-map. joints: the file's own. found: ours to the file's. missing, needed: ours.
+    map: what was said by hand: one of the file's joints, several (their middle) or none."""
+
+    source: str
+    joints: list[str]
+    found: dict[str, list[str]]
+    missing: list[str]
+    needed: list[str]
+    map: dict[str, str | list[str] | None]
+
+
 class State(TypedDict):
     """GET /api/state: what the studio is doing, and why nothing moves if nothing does."""
 

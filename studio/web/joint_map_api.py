@@ -14,6 +14,7 @@ from studio.mocap.bvh import read_joints
 from studio.mocap.bvh_header import Hierarchy
 from studio.mocap.joint_maps import JointMaps, joint_map_of
 from studio.sources import open_source
+from studio.web.answers import JointMapAnswer, State, answers
 from studio.web.hub import Hub, refused
 
 
@@ -35,7 +36,7 @@ def joint_map_router(hub: Hub) -> APIRouter:
         except StudioError as error:
             raise refused(str(error), 422) from error
 
-    @router.get("/joint-map")
+    @router.get("/joint-map", **answers(JointMapAnswer))
     async def joint_map(source: str | None = None) -> dict[str, Any]:
         """The joints of a BVH as it calls them, and which is taken for which.
 
@@ -45,7 +46,7 @@ def joint_map_router(hub: Hub) -> APIRouter:
         spec = source or hub.loop.runtime.source.name
         return await worked(_described, hub, spec)
 
-    @router.post("/joint-map")
+    @router.post("/joint-map", **answers(State))
     async def say(body: JointMapBody, request: Request) -> dict[str, Any]:
         """Say which joint is which; kept for every file with the same joints, and the file is made
         the source. Answers the state; 422 with why for a map with which it cannot be read."""

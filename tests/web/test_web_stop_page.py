@@ -107,7 +107,7 @@ def test_a_server_that_hangs_is_alarmed_of_until_the_stop_arrives(page, served):
 def test_a_page_left_open_comes_back_when_the_studio_is_started_anew(browsing, tmp_path):
     sessions = tmp_path / "sessions"
     first = Served(sessions, "--source", "operator:tilt")
-    with browsing.page(first, 760, 560) as page, browsing.anything_goes():
+    with browsing.anything_goes(), browsing.page(first, 760, 560) as page:
         drawn(page)
         first.process.send_signal(signal.SIGKILL)
         first.process.wait(20.0)

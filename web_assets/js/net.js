@@ -2,7 +2,14 @@
 
 /** @import { Answer, Body, PathOf, StateMessage, Tick, Values } from "../types/page.js" */
 
-export class Refused extends Error {}
+/** `data`: all that the studio answered. */
+export class Refused extends Error {
+  /** @param {string} why @param {Record<string, unknown>} [data] */
+  constructor(why, data = {}) {
+    super(why);
+    this.data = data;
+  }
+}
 
 /**
  * A path of the schema with its braces filled; what is left of the values becomes its query.
@@ -21,10 +28,15 @@ export function filled(path, values) {
   return query.size ? `${out}?${query}` : out;
 }
 
-/** The HTTP API, typed by its schema. `page`: this page's name while its own line is up. */
+/**
+ * The HTTP API, typed by its schema. `page`: this page's name while its own line is up. `stops`:
+ * how many it knows of, so that no command of its undoes one that it has not seen.
+ */
 export class Api {
   /** @type {string | null} */
   page = null;
+  /** @type {number | null} */
+  stops = null;
 
   /**
    * @template {PathOf<"get">} P
@@ -88,13 +100,17 @@ export class Api {
     }
     const type = answer.headers.get("content-type") ?? "";
     const data = type.includes("json") ? await answer.json() : {};
-    if (!answer.ok) throw new Refused(data.why ?? data.error ?? `refused (${answer.status})`);
+    if (!answer.ok)
+      throw new Refused(data.why ?? data.error ?? `refused (${answer.status})`, data);
     return data;
   }
 
   /** @returns {Record<string, string>} */
   headers() {
-    return this.page ? { "X-Studio-Page": this.page } : {};
+    return {
+      ...(this.page !== null && { "X-Studio-Page": this.page }),
+      ...(this.stops !== null && { "X-Studio-Stops": String(this.stops) }),
+    };
   }
 }
 
@@ -140,12 +156,14 @@ export class ControlLine {
       if (data.type === "ping") this.#worker.postMessage({ type: "pong" });
       else if (data.type === "state") {
         api.page = data.page;
+        api.stops = data.stops;
         this.roundTrip = data.roundTrip;
         onState(data);
       } else if (data.type === "link") {
         onLink(data.link);
         if (data.link === "down") {
           api.page = null;
+          api.stops = null;
           // A socket that is refused does not say why; a request does.
           fetch("/api/state").then(
             (answer) => answer.status === 401 && onLink("locked"),

@@ -1,6 +1,7 @@
 // The source panel: the synthetic person's tasks, the keyboard, a dropped file, calibration.
 
 import { $, $input, $select, attempt, el, text, toast } from "./dom.js";
+import { Joints } from "./joints.js";
 import { DRIVE } from "./keys.js";
 import { Refused, filled } from "./net.js";
 import { capital, sourceName, spoken } from "./words.js";
@@ -16,6 +17,7 @@ export class SourcePanel {
   /** @param {Studio} studio */
   constructor(studio) {
     this.studio = studio;
+    this.joints = new Joints(studio);
     const choose = (/** @type {string} */ source) =>
       attempt(() => studio.api.post("/api/source", { source }));
     const task = $select("#task");
@@ -61,6 +63,8 @@ export class SourcePanel {
     } catch (error) {
       if (!(error instanceof Refused)) throw error;
       this.#complain(capital(error.message));
+      // Its joints are called as no convention does: a person can say which is which.
+      if (typeof error.data.source === "string") await this.joints.show(error.data.source);
     } finally {
       text($("#dropzone b"), "Drop a BVH or JSONL file");
     }
@@ -73,7 +77,9 @@ export class SourcePanel {
   }
 
   /** @param {State} state */
-  draw({ source, tasks, mirror, calibration }) {
+  draw(state) {
+    const { source, tasks, mirror, calibration } = state;
+    this.joints.draw(state);
     const name = sourceName(source);
     text($("#chip-source b"), name);
     $("#chip-source").title = `Source of human motion: ${source}`;

@@ -1,6 +1,6 @@
 // Words for what the studio names: pure functions, without a page.
 
-/** @import { Take } from "../types/page.js" */
+/** @import { State, Take } from "../types/page.js" */
 
 /** @param {string} words */
 export const capital = (words) => (words ? words[0].toUpperCase() + words.slice(1) : words);
@@ -17,6 +17,20 @@ export const sourceName = (spec) =>
     .replace(/^(bvh|frames):.*[\\/]([0-9a-f]{8}_)?/, "")
     .replace(/^operator:interactive$/, "keyboard")
     .replace(/^(operator|take):/, "$1 · ");
+
+/**
+ * What was read of a source, in a line.
+ *
+ * @param {State["source_report"]} report
+ */
+export function reportLine({ joints_found, joints_missing, scale_m, up_axis, refused }) {
+  const found = Object.keys(joints_found).length;
+  const parts = [`${found} of ${found + joints_missing.length} joints`];
+  if (scale_m) parts.push(`1 unit = ${Number(scale_m.toPrecision(3))} m`);
+  if (up_axis) parts.push(`up ${up_axis}`);
+  if (refused.frames) parts.push(`${counted(refused.frames, "frame")} refused`);
+  return parts.join(" · ");
+}
 
 /**
  * The newest takes in which every typed word occurs, at most `most`, and a line on how many.

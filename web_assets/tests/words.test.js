@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { capital, counted, search, sourceName, spoken } from "../js/words.js";
+import { capital, counted, reportLine, search, sourceName, spoken } from "../js/words.js";
 
 const take = (name, label = "", note = null, source = "operator") => ({
   name,
@@ -43,4 +43,18 @@ test("a list that shows fewer takes than there are says so", () => {
   assert.equal(search(takes, "", 3).line, "");
   assert.equal(search(takes, "", 2).line, "Showing 2 of 3");
   assert.equal(search(takes, "b", 2).line, "Showing 1 of 1 found among 3");
+});
+
+test("what was read of a source is told in a line", () => {
+  const report = {
+    joints_found: { head: ["Head"], pelvis: ["Hips"] },
+    joints_missing: ["left_toe"],
+    scale_m: 0.056444,
+    up_axis: "y",
+    refused: { frames: 1, why: ["frame 3: not finite"] },
+    notes: [],
+  };
+  assert.equal(reportLine(report), "2 of 3 joints · 1 unit = 0.0564 m · up y · 1 frame refused");
+  const own = { ...report, scale_m: null, up_axis: null, refused: { frames: 0, why: [] } };
+  assert.equal(reportLine(own), "2 of 3 joints");
 });

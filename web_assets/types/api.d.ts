@@ -1421,6 +1421,29 @@ export interface components {
             rejected: number;
         };
         /**
+         * JointMapAnswer
+         * @description GET /api/joint-map. joints: the file's own. found: ours to the file's. missing, needed: ours.
+         *     map: what was said by hand: one of the file's joints, several (their middle) or none.
+         */
+        JointMapAnswer: {
+            /** Source */
+            source: string;
+            /** Joints */
+            joints: string[];
+            /** Found */
+            found: {
+                [key: string]: string[];
+            };
+            /** Missing */
+            missing: string[];
+            /** Needed */
+            needed: string[];
+            /** Map */
+            map: {
+                [key: string]: string | string[] | null;
+            };
+        };
+        /**
          * JointMapBody
          * @description map: canonical joint to the file's joint, a list of them (their middle), or null (it has
          *     none); empty forgets what was said. source: bvh:FILE; the source in use if left out.
@@ -4186,9 +4209,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": {
-                        [key: string]: unknown;
-                    };
+                    "application/json": components["schemas"]["JointMapAnswer"];
                 };
             };
             /** @description Validation Error */
@@ -4221,9 +4242,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": {
-                        [key: string]: unknown;
-                    };
+                    "application/json": components["schemas"]["State"];
                 };
             };
             /** @description Validation Error */

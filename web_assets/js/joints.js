@@ -1,0 +1,114 @@
+// What was read of the source, and the joint map: which of its joints is which of a person's.
+
+import { $, attempt, el, text, toast } from "./dom.js";
+import { capital, reportLine, spoken } from "./words.js";
+
+/** @import { State } from "../types/page.js" */
+/** @import { Studio } from "./studio.js" */
+
+const NONE = "\u0000none"; // no file can call a joint so
+
+export class Joints {
+  #dialog = /** @type {HTMLDialogElement} */ ($("#joints"));
+  #source = "";
+  #shown = "";
+
+  /** @param {Studio} studio */
+  constructor(studio) {
+    this.studio = studio;
+    $("#joints-edit").addEventListener("click", () => attempt(() => this.show()));
+    $("#joints-save").addEventListener("click", () => attempt(() => this.#save(this.#said())));
+    $("#joints-forget").addEventListener("click", () => attempt(() => this.#save({})));
+    $("#joints-close").addEventListener("click", () => this.#dialog.close());
+  }
+
+  /**
+   * The dialog, for the source in use or one that could not be read without. Not modal: the stop
+   * button must stay within reach.
+   *
+   * @param {string} [source]
+   */
+  async show(source) {
+    const found = await this.studio.api.get("/api/joint-map", source ? { source } : {});
+    this.#source = found.source;
+    this.#complain("");
+    const names = Object.keys(found.found).concat(found.missing);
+    const rows = names.map((joint) => {
+      const own = (found.found[joint] ?? []).join(" + ");
+      const said = found.map[joint];
+      const guess = joint in found.map ? "found by its name" : own || "not found";
+      const select = el(
+        "select",
+        { "data-joint": joint, "aria-label": spoken(joint) },
+        el("option", { value: "" }, guess),
+        el("option", { value: NONE }, "none of them"),
+        ...found.joints.map((name) => el("option", { value: name }, name)),
+      );
+      if (Array.isArray(said) && said.length > 1) {
+        select.append(el("option", { value: JSON.stringify(said) }, said.join(" + ")));
+        select.value = JSON.stringify(said);
+      } else if (joint in found.map) select.value = said === null ? NONE : String(said);
+      const needed = found.needed.includes(joint);
+      const lacks = needed && !own;
+      return el(
+        "label",
+        { class: `field ${lacks ? "lacks" : ""}` },
+        el("span", {}, `${capital(spoken(joint))}${needed ? " *" : ""}`),
+        select,
+      );
+    });
+    $("#joints-rows").replaceChildren(...rows);
+    $("#joints-forget").hidden = Object.keys(found.map).length === 0;
+    if (!this.#dialog.open) this.#dialog.show();
+    $("#joints-rows select").focus();
+  }
+
+  /** What was chosen by hand: canonical joint to the file's, a list of them, or null for none. */
+  #said() {
+    /** @type {Record<string, string | string[] | null>} */
+    const said = {};
+    for (const select of this.#dialog.querySelectorAll("select")) {
+      if (!select.value || !select.dataset.joint) continue;
+      if (select.value === NONE) said[select.dataset.joint] = null;
+      else if (select.value.startsWith("[")) said[select.dataset.joint] = JSON.parse(select.value);
+      else said[select.dataset.joint] = select.value;
+    }
+    return said;
+  }
+
+  /** @param {Record<string, string | string[] | null>} map */
+  async #save(map) {
+    try {
+      await this.studio.api.post("/api/joint-map", { map, source: this.#source });
+    } catch (error) {
+      this.#complain(error instanceof Error ? capital(error.message) : String(error));
+      return;
+    }
+    this.#dialog.close();
+    toast("Kept for every file with the same joints; it drives the robot now", "good");
+  }
+
+  /** @param {string} why "" for nothing */
+  #complain(why) {
+    text($("#joints-error"), why);
+    $("#joints-error").hidden = !why;
+  }
+
+  /** The report under the drop zone. @param {State} state */
+  draw({ source, source_report }) {
+    const shown = JSON.stringify([source, source_report]);
+    if (shown === this.#shown) return;
+    this.#shown = shown;
+    const { joints_missing, notes, refused } = source_report;
+    const file = /^(bvh|frames):/.test(source);
+    $("#load").hidden = !file && refused.frames === 0;
+    text($("#load summary"), reportLine(source_report));
+    const lines = [
+      joints_missing.length ? `Missing: ${joints_missing.map(spoken).join(", ")}.` : "",
+      ...notes.map((note) => `${capital(note)}.`),
+      ...refused.why.map((why) => `Refused: ${why}.`),
+    ].filter(Boolean);
+    $("#load ul").replaceChildren(...lines.map((line) => el("li", {}, line)));
+    $("#joints-edit").hidden = !source.startsWith("bvh:");
+  }
+}
