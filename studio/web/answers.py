@@ -179,14 +179,14 @@ class SourceReport(TypedDict):
 
 class JointMapAnswer(TypedDict):
     """GET /api/joint-map. joints: the file's own. found: ours to the file's. missing, needed: ours.
-    map: what was said by hand: one of the file's joints, several (their middle) or none."""
+    map: what was said by hand: the file's joints, whose middle it is; [] for none of them."""
 
     source: str
     joints: list[str]
     found: dict[str, list[str]]
     missing: list[str]
     needed: list[str]
-    map: dict[str, str | list[str] | None]
+    map: dict[str, list[str]]
 
 
 class State(TypedDict):

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 import pytest
-from browsing import drawn
+from browsing import drawn, until
 from rendered import RENDERED, closest, errors
 from served import Served
 
@@ -169,6 +169,44 @@ def test_a_file_dropped_on_the_page_drives_the_robot(page, served, browsing, tmp
         page.evaluate(drop, ["broken.bvh", "HIERARCHY\nROOT Hips\n{\n  OFFSET 0 zero 0\n"])
         page.wait_for_selector("#file-error:not([hidden])")
     assert "line 4" in page.text_content("#file-error")
+
+
+def test_joints_of_a_name_that_nobody_knows_are_said_by_hand(page, served, browsing, tmp_path):
+    calm(page, served)
+    source = OperatorSource("quiet", seed=5)
+    joints = np.array([p.joint_pos_w for k in range(120) if (p := source.read(k / 30.0))])
+    write_bvh(tmp_path / "quiet.bvh", joints, 1.0 / 30.0)
+    words = {"l_knee": "Zampa", "r_knee": "Altra"}
+    strange = (tmp_path / "quiet.bvh").read_text()
+    assert all(name in strange for name in words)
+    for name, other in words.items():
+        strange = strange.replace(f"JOINT {name}\n", f"JOINT {other}\n")
+    with browsing.expecting("status of 422"):
+        page.set_input_files(
+            "#file", {"name": "odd.bvh", "mimeType": "text/plain", "buffer": strange.encode()}
+        )
+        page.wait_for_selector("#joints[open]")
+    assert "knee" in page.text_content("#file-error")
+    assert page.locator("#joints .lacks").count() >= 1
+    with browsing.expecting("status of 422"):  # one of them is not enough
+        page.select_option("#joints [data-joint=l_knee]", "Zampa")
+        page.click("#joints-save")
+        page.wait_for_selector("#joints-error:not([hidden])")
+    page.select_option("#joints [data-joint=r_knee]", "Altra")
+    page.click("#joints-save")
+    served.wait(lambda s: s["source"].endswith("_odd.bvh"))
+    page.wait_for_selector("#joints:not([open])", state="attached")
+    until(page, "() => /joints/.test(document.querySelector('#load summary').textContent)")
+    assert "up y" in page.text_content("#load summary")
+    # The next file of the same joints needs nobody.
+    page.set_input_files(
+        "#file", {"name": "again.bvh", "mimeType": "text/plain", "buffer": strange.encode()}
+    )
+    served.wait(lambda s: s["source"].endswith("_again.bvh"))
+    page.evaluate("() => { document.querySelector('#load').open = true; }")
+    page.click("#joints-edit")
+    assert page.input_value("#joints [data-joint=l_knee]") == "Zampa"
+    page.keyboard.press("Escape")
 
 
 def test_one_line_always_says_why_nothing_moves(page, served):

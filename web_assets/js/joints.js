@@ -1,7 +1,7 @@
 // What was read of the source, and the joint map: which of its joints is which of a person's.
 
 import { $, attempt, el, text, toast } from "./dom.js";
-import { capital, reportLine, spoken } from "./words.js";
+import { capital, jointName, reportLine } from "./words.js";
 
 /** @import { State } from "../types/page.js" */
 /** @import { Studio } from "./studio.js" */
@@ -39,21 +39,20 @@ export class Joints {
       const guess = joint in found.map ? "found by its name" : own || "not found";
       const select = el(
         "select",
-        { "data-joint": joint, "aria-label": spoken(joint) },
+        { "data-joint": joint, "aria-label": jointName(joint) },
         el("option", { value: "" }, guess),
         el("option", { value: NONE }, "none of them"),
         ...found.joints.map((name) => el("option", { value: name }, name)),
       );
-      if (Array.isArray(said) && said.length > 1) {
+      if (said && said.length > 1)
         select.append(el("option", { value: JSON.stringify(said) }, said.join(" + ")));
-        select.value = JSON.stringify(said);
-      } else if (joint in found.map) select.value = said === null ? NONE : String(said);
+      if (said) select.value = said.length > 1 ? JSON.stringify(said) : (said[0] ?? NONE);
       const needed = found.needed.includes(joint);
       const lacks = needed && !own;
       return el(
         "label",
         { class: `field ${lacks ? "lacks" : ""}` },
-        el("span", {}, `${capital(spoken(joint))}${needed ? " *" : ""}`),
+        el("span", {}, `${capital(jointName(joint))}${needed ? " *" : ""}`),
         select,
       );
     });
@@ -104,7 +103,7 @@ export class Joints {
     $("#load").hidden = !file && refused.frames === 0;
     text($("#load summary"), reportLine(source_report));
     const lines = [
-      joints_missing.length ? `Missing: ${joints_missing.map(spoken).join(", ")}.` : "",
+      joints_missing.length ? `Missing: ${joints_missing.map(jointName).join(", ")}.` : "",
       ...notes.map((note) => `${capital(note)}.`),
       ...refused.why.map((why) => `Refused: ${why}.`),
     ].filter(Boolean);

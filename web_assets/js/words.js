@@ -8,6 +8,9 @@ export const capital = (words) => (words ? words[0].toUpperCase() + words.slice(
 /** A name with underscores as people write it. @param {string} name */
 export const spoken = (name) => name.replaceAll("_", " ");
 
+/** A joint as people call it: "l_knee" is the left knee. @param {string} name */
+export const jointName = (name) => spoken(name.replace(/^l_/, "left_").replace(/^r_/, "right_"));
+
 /** @param {number} count @param {string} noun */
 export const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 

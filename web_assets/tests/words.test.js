@@ -1,7 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { capital, counted, reportLine, search, sourceName, spoken } from "../js/words.js";
+import { capital, counted, jointName, reportLine } from "../js/words.js";
+import { search, sourceName, spoken } from "../js/words.js";
 
 const take = (name, label = "", note = null, source = "operator") => ({
   name,
@@ -14,6 +15,8 @@ test("words are written as people write them", () => {
   assert.equal(capital("tilt"), "Tilt");
   assert.equal(capital(""), "");
   assert.equal(spoken("sit_manipulate_left"), "sit manipulate left");
+  assert.equal(jointName("l_knee"), "left knee");
+  assert.equal(jointName("pelvis"), "pelvis");
   assert.equal(counted(1, "flaw"), "1 flaw");
   assert.equal(counted(2, "flaw"), "2 flaws");
 });

@@ -1423,7 +1423,7 @@ export interface components {
         /**
          * JointMapAnswer
          * @description GET /api/joint-map. joints: the file's own. found: ours to the file's. missing, needed: ours.
-         *     map: what was said by hand: one of the file's joints, several (their middle) or none.
+         *     map: what was said by hand: the file's joints, whose middle it is; [] for none of them.
          */
         JointMapAnswer: {
             /** Source */
@@ -1440,7 +1440,7 @@ export interface components {
             needed: string[];
             /** Map */
             map: {
-                [key: string]: string | string[] | null;
+                [key: string]: string[];
             };
         };
         /**
