@@ -32,7 +32,8 @@ export class Joints {
     const found = await this.studio.api.get("/api/joint-map", source ? { source } : {});
     this.#source = found.source;
     this.#complain("");
-    const names = Object.keys(found.found).concat(found.missing);
+    // Those first that a person has to say.
+    const names = found.missing.concat(Object.keys(found.found));
     const rows = names.map((joint) => {
       const own = (found.found[joint] ?? []).join(" + ");
       const said = found.map[joint];

@@ -14,6 +14,8 @@ const MOTION = /\.(bvh|jsonl|json)$/i;
 const KEYBOARD = "operator:interactive";
 
 export class SourcePanel {
+  #shown = "";
+
   /** @param {Studio} studio */
   constructor(studio) {
     this.studio = studio;
@@ -62,9 +64,12 @@ export class SourcePanel {
       toast(`${name} drives the robot now`, "good");
     } catch (error) {
       if (!(error instanceof Refused)) throw error;
-      this.#complain(capital(error.message));
+      const { source } = error.data;
       // Its joints are called as no convention does: a person can say which is which.
-      if (typeof error.data.source === "string") await this.joints.show(error.data.source);
+      if (typeof source === "string") await this.joints.show(source);
+      this.#complain(
+        typeof source === "string" ? error.message.split(": looked for")[0] : error.message,
+      );
     } finally {
       text($("#dropzone b"), "Drop a BVH or JSONL file");
     }
@@ -80,6 +85,10 @@ export class SourcePanel {
   draw(state) {
     const { source, tasks, mirror, calibration } = state;
     this.joints.draw(state);
+    if (source !== this.#shown) {
+      this.#shown = source;
+      this.#complain("");
+    }
     const name = sourceName(source);
     text($("#chip-source b"), name);
     $("#chip-source").title = `Source of human motion: ${source}`;
