@@ -11,11 +11,11 @@ import threading
 import time
 import urllib.request
 from collections.abc import Callable
-from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import msgspec
+
+from studio.bench.sockets import VIEW, page_socket
 
 TEXT, BINARY, PING = 0x1, 0x2, 0x9
 REQUESTS = 8
@@ -47,7 +47,7 @@ SOCKETS: dict[str, tuple[str, bytes]] = {
     "bad frames": ("/api/human", masked(TEXT, b"{")),
     "empty frames": ("/api/human", masked(TEXT, b"")),
     "beats": ("/api/control", masked(TEXT, json.dumps({"type": "beat", "sent": 1.0}).encode())),
-    "cameras": ("/view", masked(BINARY, camera())),
+    "cameras": (VIEW, masked(BINARY, camera())),
     "pings": ("/api/ticks", masked(PING, b"")),
 }
 """Floods of one socket: its path, and the frame that is sent again and again."""
@@ -67,17 +67,7 @@ def flood(kind: str, port: int, token: str) -> None:
 
 def flood_socket(port: int, token: str, path: str, frame: bytes) -> None:
     """One WebSocket; what is answered is read and forgotten."""
-    from websockets.sync.client import connect
-
-    protocols = [f"viser-v{version('viser')}"] if path == "/view" else None
-    with connect(
-        f"ws://127.0.0.1:{port}{path}",
-        additional_headers={"Authorization": f"Bearer {token}"},
-        subprotocols=protocols,  # type: ignore[arg-type]
-        max_size=None,
-        max_queue=None,
-        proxy=None,
-    ) as ws:
+    with page_socket(port, token, path, max_queue=None) as ws:
         threading.Thread(target=lambda: [None for _ in ws], daemon=True).start()
         many = frame * max(1, 65_536 // len(frame))
         while True:
@@ -124,22 +114,15 @@ def in_threads(works: list[Callable[[], None]]) -> None:
 
 def pages(port: int, token: str, count: int) -> None:
     """The sockets of `count` pages, read as a page reads them."""
-    from websockets.sync.client import connect
 
-    def listen(path: str, protocols: list[Any]) -> None:
-        with connect(
-            f"ws://127.0.0.1:{port}{path}",
-            additional_headers={"Authorization": f"Bearer {token}"},
-            subprotocols=protocols or None,
-            max_size=None,
-            proxy=None,
-        ) as ws:
+    def listen(path: str) -> None:
+        with page_socket(port, token, path) as ws:
             for _ in ws:
                 if path == "/api/control":
                     ws.send('{"type": "beat", "sent": 0}')
 
-    paths = (("/api/control", []), ("/api/ticks", []), ("/view", [f"viser-v{version('viser')}"]))
-    in_threads([lambda path=path: listen(*path) for path in paths for _ in range(count)])
+    paths = ("/api/control", "/api/ticks", VIEW)
+    in_threads([lambda path=path: listen(path) for path in paths for _ in range(count)])
 
 
 def import_forever(port: int, token: str, file: Path) -> None:

@@ -12,12 +12,12 @@ import threading
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 from urllib.error import URLError
 from urllib.request import Request, urlopen
 
+from studio.bench.sockets import VIEW, page_socket
 from studio.errors import StudioError
 
 CLIENTS = 4
@@ -166,28 +166,19 @@ def _frame_rate(profile: Path, seconds: float) -> float:
 def _listen(port: int, pid: int, seconds: float) -> tuple[list[int], list[int], float | None]:
     """Ticks and messages of the 3-D view that each of four pages' sockets received over `seconds`,
     and the cores that the server used meanwhile."""
-    from websockets.sync.client import connect
-
     counts, views = [0] * CLIENTS, [0] * CLIENTS
     end = time.perf_counter() + seconds
 
-    def client(path: str, i: int, received: list[int], protocols: list[Any]) -> None:
-        with connect(
-            f"ws://127.0.0.1:{port}{path}",
-            additional_headers={"Authorization": f"Bearer {TOKEN}"},
-            subprotocols=protocols or None,
-            max_size=None,
-            proxy=None,
-        ) as ws:
+    def client(path: str, i: int, received: list[int]) -> None:
+        with page_socket(port, TOKEN, path) as ws:
             while time.perf_counter() < end:
                 ws.recv(timeout=5.0)
                 received[i] += 1
 
-    viser = f"viser-v{version('viser')}"
     threads = [
-        threading.Thread(target=client, args=(*path, i, received, protocols))
+        threading.Thread(target=client, args=(path, i, received))
         for i in range(CLIENTS)
-        for *path, received, protocols in (("/api/ticks", counts, []), ("/view", views, [viser]))
+        for path, received in (("/api/ticks", counts), (VIEW, views))
     ]
     for thread in threads:
         thread.start()

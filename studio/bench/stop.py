@@ -20,6 +20,7 @@ import numpy as np
 from studio.bench.flood import KINDS
 from studio.bench.live import CLIENTS, TOKEN, _end, served
 from studio.bench.run import percentiles
+from studio.bench.sockets import page_socket
 from studio.bench.takes import performed
 from studio.robot.a1 import CONTROL_DT
 from studio.synthetic.operator import OperatorSource
@@ -71,15 +72,8 @@ def walked(seconds: float) -> np.ndarray:
 
 def measured(port: int, stops: int) -> dict[str, dict[str, float]]:
     """ms from sending a stop to its answer, by a page's socket and by POST on a new connection."""
-    from websockets.sync.client import connect
-
     by_socket, by_post = [], []
-    with connect(
-        f"ws://127.0.0.1:{port}/api/control",
-        additional_headers={"Authorization": f"Bearer {TOKEN}"},
-        proxy=None,
-        open_timeout=60.0,
-    ) as ws:
+    with page_socket(port, TOKEN, "/api/control", open_timeout=60.0) as ws:
         for k in range(stops):
             time.sleep(0.05 + 0.033 * (k % 7) / 7)  # at any instant of the loop's period
             begun = time.perf_counter()

@@ -51,19 +51,9 @@ CASES: tuple[Case, ...] = (
     Case(source=WALK, holds="heading and place"),
 )
 _FLOW = (
-    *(
-        "control",
-        "human",
-        "mocap",
-        "reference",
-        "retarget",
-        "rl/noise",
-        "robot",
-        "sim",
-        "synthetic",
-    ),
-    *("geometry", "metrics", "puppeteer", "evaluation/minutes", "evaluation/impaired"),
-)
+    "control", "human", "mocap", "reference", "retarget", "rl/noise", "robot", "sim", "synthetic",
+    "geometry", "metrics", "puppeteer", "evaluation/minutes", "evaluation/impaired",
+)  # fmt: skip
 """What a run depends on, beside the models."""
 
 

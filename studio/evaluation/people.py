@@ -17,7 +17,7 @@ from studio.control.command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport
 from studio.evaluation.options import TableOptions
-from studio.evaluation.people_starts import start_rows
+from studio.evaluation.people_starts import clip_spec, start_rows
 from studio.human.calibration import calibrate
 from studio.options import ControllerName, Style
 from studio.puppeteer import Puppeteer
@@ -98,8 +98,8 @@ def frame_labels(t: NDArray, intervals: list[dict[str, Any]]) -> list[str]:
 
 def drive_clip(options: Options, name: str) -> list[Tick]:
     """Every tick of a clip, to its end even if the robot falls on the way."""
-    kind = "bvh" if name.endswith(".bvh") else "frames"
-    source = open_source(f"{kind}:{options.clips / name}", seed=options.seed, style=options.style)
+    spec = clip_spec(options.clips / name)
+    source = open_source(spec, seed=options.seed, style=options.style)
     puppeteer = Puppeteer(
         PuppeteerConfig(style=options.style, controller=options.controller, seed=options.seed),
         calibrate(source.calibration_poses()),

@@ -60,7 +60,7 @@ def clips_below(folder: Path) -> list[Path]:
 
 def starts(clip: Path, every: float) -> Iterable[float]:
     """s into the clip, from 0 on."""
-    source = open_source(_spec(clip))
+    source = open_source(clip_spec(clip))
     duration = source.duration or 0.0
     source.close()
     return [float(t) for t in np.arange(0.0, max(duration - SHORTEST_S, 0.0) + 1e-9, every)]
@@ -68,7 +68,7 @@ def starts(clip: Path, every: float) -> Iterable[float]:
 
 def fall_from(clip: Path, start: float, config: PuppeteerConfig) -> tuple[float, float | None]:
     """(s driven, s after `start` at which the robot fell, or None), of a clip begun at `start`."""
-    source = open_source(_spec(clip), seed=config.seed, style=config.style)
+    source = open_source(clip_spec(clip), seed=config.seed, style=config.style)
     puppeteer = Puppeteer(config, calibrate(source.calibration_poses()))
     k = 0
     try:
@@ -82,7 +82,8 @@ def fall_from(clip: Path, start: float, config: PuppeteerConfig) -> tuple[float,
         source.close()
 
 
-def _spec(clip: Path) -> str:
+def clip_spec(clip: Path) -> str:
+    """The source that plays a file of motion."""
     return f"{'bvh' if clip.suffix == '.bvh' else 'frames'}:{clip}"
 
 

@@ -65,6 +65,12 @@ class Served:
             assert time.monotonic() < deadline, state
             time.sleep(0.1)
 
+    def end_well(self) -> None:
+        """Closed, it has no error to tell of."""
+        status, errors = self.close()
+        assert status == 0, errors
+        assert "Traceback" not in errors, errors
+
     def close(self) -> tuple[int, str]:
         """SIGINT; (exit status, standard error)."""
         self._listening = False

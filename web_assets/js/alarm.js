@@ -2,8 +2,9 @@
 
 import { $, $button, text } from "./dom.js";
 
+/** @import { Studio } from "./studio.js" */
+
 const UNHEARD = 1000; // ms until a stop that nobody has confirmed is told of
-const SILENT = 1000; // ms without a tick until what is shown is stale
 
 /** A stop that is not confirmed takes the whole screen, and sounds. */
 export class Alarm {
@@ -86,20 +87,14 @@ export class Alarm {
   }
 }
 
-/**
- * A veil over figures that are not of now.
- *
- * @param {"connecting" | "up" | "down" | "locked"} link
- * @param {number} lastTick ms on the page's clock; 0 before the first
- */
-export function drawStale(link, lastTick) {
-  const silent = lastTick ? performance.now() - lastTick : 0;
+/** A veil over figures that are not of now. @param {Studio} studio */
+export function drawStale({ link, silence, silent }) {
   const locked = link === "locked";
-  const stale = locked || silent > SILENT;
+  const stale = locked || silent;
   $("#stale").hidden = !stale;
   $("#stale a").hidden = !locked;
   if (!stale) return;
-  const title = locked ? "This page is signed out" : `No data for ${Math.round(silent / 1000)} s`;
+  const title = locked ? "This page is signed out" : `No data for ${Math.round(silence / 1000)} s`;
   text($("#stale b"), title);
   const why = locked ? "The studio has another token now." : "What you see is how it was then.";
   text($("#stale span"), why);

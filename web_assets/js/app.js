@@ -23,8 +23,6 @@ import { capital, spoken } from "./words.js";
 
 /** @import { State, Tick } from "../types/page.js" */
 
-const SILENT = 1000; // ms without a tick that are worth a word
-
 const studio = new Studio();
 const { api } = studio;
 Object.assign(window, { a1studio: studio }); // for tests and the curious
@@ -175,9 +173,8 @@ function drawControl(state) {
 
 // … and four times.
 function drawConnection() {
-  const silent = studio.lastTick > 0 && performance.now() - studio.lastTick > SILENT;
-  drawLink(studio.link, silent);
-  drawStale(studio.link, studio.lastTick);
+  drawLink(studio.link, studio.silent);
+  drawStale(studio);
   alarm.draw();
 }
 

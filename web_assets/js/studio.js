@@ -5,6 +5,8 @@ import { Stillness } from "./stillness.js";
 
 /** @import { State, Tick } from "../types/page.js" */
 
+const SILENT = 1000; // ms without a tick until what is shown is stale
+
 export class Studio {
   api = new Api();
   /** @type {Tick | null} */
@@ -17,6 +19,16 @@ export class Studio {
   /** ms on the page's clock when the newest tick came; 0 before the first. */
   lastTick = 0;
   stillness = new Stillness();
+
+  /** ms without a tick; 0 before the first. */
+  get silence() {
+    return this.lastTick ? performance.now() - this.lastTick : 0;
+  }
+
+  /** Whether what is shown is no longer true. */
+  get silent() {
+    return this.silence > SILENT;
+  }
 
   /** Whether the robot is known not to move. */
   get still() {
