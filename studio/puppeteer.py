@@ -16,7 +16,8 @@ from time import perf_counter
 import numpy as np
 
 from studio import geometry, metrics
-from studio.control.command import (
+from studio.control.controller import Control, Controller, Directive
+from studio.control.drive_command import (
     FOLLOW,
     LIMITS,
     DriveCommand,
@@ -24,7 +25,6 @@ from studio.control.command import (
     Reason,
     checked_gain,
 )
-from studio.control.controller import Control, Controller, Directive
 from studio.control.staleness import HOLD_AFTER, STALE_AFTER, why_still
 from studio.control.trackers import TrackerInput, open_controller
 from studio.errors import unknown_name

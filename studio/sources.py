@@ -79,7 +79,7 @@ def _frames(o: Opening) -> Source:
 
 
 def _take(o: Opening) -> Source:
-    from studio.mocap.take import TakeSource
+    from studio.mocap.take_source import TakeSource
 
     return TakeSource(o.needed(), o.sessions)
 

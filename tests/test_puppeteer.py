@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.control.command import LIMITS, DriveCommand, PuppeteerConfig
 from studio.control.controller import Directive
+from studio.control.drive_command import LIMITS, DriveCommand, PuppeteerConfig
 from studio.errors import StudioError
 from studio.human.calibration import calibrate
 from studio.puppeteer import Puppeteer

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from studio.control.command import PuppeteerConfig
+from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.evaluation.drive import drive
 from studio.human.calibration import calibrate

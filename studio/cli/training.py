@@ -23,17 +23,17 @@ def _mapper(argv: Sequence[str]) -> Answer:
         from studio.training.collected import TakesTraining, run_train_takes
 
         return run_train_takes(tyro.cli(TakesTraining, prog="a1-studio train mapper", args=argv))
-    from studio.training.mapper import run_train_mapper
     from studio.training.mapper_fit import MapperTraining
+    from studio.training.train_mapper import run_train_mapper
 
     return run_train_mapper(tyro.cli(MapperTraining, prog="a1-studio train mapper", args=argv))
 
 
 def _policy(argv: Sequence[str]) -> Answer:
-    from studio.training.policy import run_train_policy
     from studio.training.policy_settings import PolicyTraining
+    from studio.training.train_policy import run_train_policy
 
-    logging.getLogger("studio.training.policy").setLevel(logging.INFO)  # its progress
+    logging.getLogger("studio.training.train_policy").setLevel(logging.INFO)  # its progress
     return run_train_policy(tyro.cli(PolicyTraining, prog="a1-studio train policy", args=argv))
 
 

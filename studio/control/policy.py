@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save_file
 
-from studio.control import frames
+from studio.control import single_observation as frames
 from studio.control.action import ActionConfig, clip_action, pd_target
 from studio.control.observation import History, ObservationConfig
 from studio.control.symmetry import observation_mirror

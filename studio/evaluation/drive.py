@@ -10,7 +10,7 @@ from itertools import islice
 from pathlib import Path
 from typing import IO, Any
 
-from studio.control.command import FOLLOW, DriveCommand, PuppeteerConfig
+from studio.control.drive_command import FOLLOW, DriveCommand, PuppeteerConfig
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport, trace_line
 from studio.human.calibration import calibrate

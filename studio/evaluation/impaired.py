@@ -11,8 +11,8 @@ from studio import geometry
 from studio.control.trackers import Tracker, TrackerInput
 from studio.human.pose import HumanPose
 from studio.human.skeleton import INDEX
-from studio.mocap.report import SourceReport
 from studio.mocap.source import Source
+from studio.mocap.source_report import SourceReport
 from studio.rl.noise import NoiseConfig
 
 

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.control.command import PuppeteerConfig
+from studio.control.drive_command import PuppeteerConfig
 from studio.control.policy import Policy
 from studio.control.staleness import stale_command
 from studio.control.trackers import PolicyTracker, Tracker, open_controller

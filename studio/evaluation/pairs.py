@@ -24,9 +24,9 @@ from studio.retarget.store import load_experts
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT
 from studio.training.machine import commit
-from studio.training.mapper import make_pairs
 from studio.training.mapper_fit import MapperTraining
 from studio.training.operator_pairs import PairSet
+from studio.training.train_mapper import make_pairs
 
 log = logging.getLogger(__name__)
 Array = NDArray[np.float64]

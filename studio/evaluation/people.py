@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.control.command import PuppeteerConfig
+from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport
 from studio.evaluation.options import TableOptions

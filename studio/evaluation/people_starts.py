@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from studio.control.command import PuppeteerConfig
+from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.human.calibration import calibrate
 from studio.options import ControllerName, Style

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
-from studio.control.command import PuppeteerConfig
+from studio.control.drive_command import PuppeteerConfig
 from studio.evaluation.options import TableOptions
 from studio.human.calibration import calibrate
 from studio.options import ControllerName, Style

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
-from studio.human.sources import AXES_Y_UP, SourceSkeleton, skeleton_of
+from studio.human.sensor_skeletons import AXES_Y_UP, SourceSkeleton, skeleton_of
 
 Array = NDArray[np.float64]
 Parts = dict[str, list[str]]

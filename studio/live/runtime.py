@@ -5,15 +5,15 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from studio.control.command import DriveCommand, PuppeteerConfig, Reason
+from studio.control.drive_command import DriveCommand, PuppeteerConfig, Reason
 from studio.errors import StudioError
 from studio.human.calibration import Calibration, calibrate
 from studio.live.collect import Step
 from studio.live.collecting import Acting, Collector
 from studio.live.mappers import SHIPPED, Mappers, OpenedMapper
+from studio.live.reading import OpenedSource, Reading, open_for
 from studio.live.replay import Replay
 from studio.live.safety import Safety
-from studio.live.source import OpenedSource, Reading, open_for
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.robot.pose import ReferencePose

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 from studio.errors import StudioError
 from studio.human.joint_names import bvh_skeleton
 from studio.human.pose import HumanClip
+from studio.human.sensor_skeletons import SourceSkeleton
 from studio.human.skeleton import INDEX, LEG_LENGTH
-from studio.human.sources import SourceSkeleton
 from studio.mocap.bvh_header import Hierarchy, read_hierarchy
 from studio.mocap.bvh_motion import MotionRows, read_timing
 from studio.mocap.joint_maps import JointMaps
 from studio.mocap.recorded import Recorded, settled
-from studio.mocap.report import report_on
+from studio.mocap.source_report import report_on
 from studio.mocap.text import Lines, open_text
 from studio.mocap.upright import find_axes
 

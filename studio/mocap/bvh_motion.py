@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
-from studio.mocap.report import Refused
+from studio.mocap.source_report import Refused
 from studio.mocap.text import Lines
 
 Array = NDArray[np.float64]

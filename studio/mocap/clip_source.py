@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from studio.human.pose import HumanClip, HumanPose
-from studio.mocap.report import OWN, SourceReport
 from studio.mocap.source import Source, SourceEnded
+from studio.mocap.source_report import OWN, SourceReport
 from studio.robot.a1 import CONTROL_DT
 
 TOLERANCE = 0.5 * CONTROL_DT

@@ -18,12 +18,12 @@ from studio.errors import StudioError
 from studio.files import open_regular
 from studio.human.pose import HumanClip, HumanPose
 from studio.human.posture import SEEN
-from studio.human.sources import SKELETONS
+from studio.human.sensor_skeletons import SKELETONS
 from studio.mocap.gate import FrameGate
 from studio.mocap.kinect import UNIT, is_kinect, kinect_frames
 from studio.mocap.raw_frame import MAX_BYTES, FrameRejected
 from studio.mocap.recorded import Recorded, settled
-from studio.mocap.report import Refused, report_on
+from studio.mocap.source_report import Refused, report_on
 from studio.mocap.text import encoding_of
 
 log = logging.getLogger(__name__)

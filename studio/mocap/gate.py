@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from studio.human.pose import HumanPose
 from studio.human.posture import SEEN
-from studio.human.sources import SKELETONS, SourceSkeleton
+from studio.human.sensor_skeletons import SKELETONS, SourceSkeleton
 from studio.mocap.raw_frame import FrameRejected, arrays_of, parse_frame
 
 Array = NDArray[np.float64]

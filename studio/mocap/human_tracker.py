@@ -7,7 +7,7 @@ import numpy as np
 from studio.human.pose import HumanPose
 from studio.mocap.gate import FrameGate
 from studio.mocap.raw_frame import FrameRejected
-from studio.mocap.report import Refused
+from studio.mocap.source_report import Refused
 from studio.robot.a1 import CONTROL_DT
 
 log = logging.getLogger(__name__)

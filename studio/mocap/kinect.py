@@ -11,7 +11,7 @@ from typing import Any
 import msgspec
 
 from studio.errors import StudioError
-from studio.human.sources import SKELETONS
+from studio.human.sensor_skeletons import SKELETONS
 
 SKELETON = SKELETONS["k4abt"]
 UNIT = 1e-3

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
-from studio.human.sources import SourceSkeleton
+from studio.human.sensor_skeletons import SourceSkeleton
 
 Array = NDArray[np.float64]
 

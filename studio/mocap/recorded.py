@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from studio.human.pose import HumanClip
 from studio.human.posture import SEEN
 from studio.human.skeleton import INDEX
-from studio.mocap.report import SourceReport
+from studio.mocap.source_report import SourceReport
 
 Array = NDArray[np.float64]
 _GROUND = 2.0

@@ -9,7 +9,7 @@ from typing import Protocol, runtime_checkable
 
 from studio.errors import StudioError
 from studio.human.pose import HumanPose
-from studio.mocap.report import OWN, SourceReport
+from studio.mocap.source_report import OWN, SourceReport
 from studio.reference.intent import Intent
 
 

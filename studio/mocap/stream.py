@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 
 from studio.human.pose import HumanPose
+from studio.human.sensor_skeletons import SKELETONS
 from studio.human.skeleton import NUM_JOINTS
-from studio.human.sources import SKELETONS
 from studio.mocap.gate import FrameGate
 from studio.mocap.raw_frame import FrameRejected
-from studio.mocap.report import Refused, SourceReport, report_on
 from studio.mocap.source import Source
+from studio.mocap.source_report import Refused, SourceReport, report_on
 
 
 class StreamSource(Source):

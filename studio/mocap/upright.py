@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.human.sensor_skeletons import axes_for
 from studio.human.skeleton import INDEX
-from studio.human.sources import axes_for
 
 Array = NDArray[np.float64]
 _CHEST = INDEX["chest"]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from studio.reference.consistency import ContactConfig
+from studio.reference.contact_lock import ContactConfig
 from studio.reference.intent import StateName
 from studio.reference.stances import JOINT_SPEED
 

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from studio import geometry
 from studio.reference import scalars
-from studio.reference.consistency import ContactConfig, ContactLock, limit_speed, limit_turn
+from studio.reference.consistency import limit_speed, limit_turn
+from studio.reference.contact_lock import ContactConfig, ContactLock
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.retarget.experts import EXPERTS

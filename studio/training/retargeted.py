@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 
-from studio.control.command import PuppeteerConfig
+from studio.control.drive_command import PuppeteerConfig
 from studio.files import fingerprint
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName

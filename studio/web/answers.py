@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, NotRequired
 from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
-from studio.control.command import Reason
+from studio.control.drive_command import Reason
 from studio.control.trackers import CONTROLLERS
 from studio.live.collect import Phase
 from studio.live.command import OneOf

@@ -16,7 +16,6 @@ from studio.robot.pose import RobotPose
 from studio.sim import visual
 from studio.takes.tick import Tick
 from studio.web import figures
-from studio.web.batch import HIDDEN, Batch
 from studio.web.follow import (
     HUMAN_COLUMN,
     HUMAN_SCALE,
@@ -26,6 +25,7 @@ from studio.web.follow import (
     Follow,
     HumanPlace,
 )
+from studio.web.scene_batch import HIDDEN, Batch
 
 Array = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from typing import Any
 import uvicorn
 from starlette.types import ASGIApp
 
-from studio.control.command import PuppeteerConfig
+from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.files import scratch_folder, sweep, sweep_writes
 from studio.live.loop import LiveLoop

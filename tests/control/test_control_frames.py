@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from studio import geometry
-from studio.control import frames, observation
+from studio.control import observation
+from studio.control import single_observation as frames
 from studio.reference import scalars
 from studio.reference.intent import STATES
 from studio.robot.pose import ReferencePose, RobotState

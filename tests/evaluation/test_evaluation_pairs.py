@@ -11,7 +11,7 @@ from studio.retarget.baselines.foot_height import contact_by_height
 from studio.retarget.baselines.nearest import NearestPair
 from studio.retarget.baselines.ridge import Ridge
 from studio.robot import a1, kinematics
-from studio.training.mapper import make_pairs
+from studio.training.train_mapper import make_pairs
 
 
 def linear_pairs(n: int = 400) -> tuple[np.ndarray, Targets]:

@@ -7,6 +7,7 @@ import pytest
 
 from studio.errors import StudioError
 from studio.human.joint_names import bvh_skeleton
+from studio.human.sensor_skeletons import SKELETONS, SourceSkeleton, skeleton
 from studio.human.skeleton import (
     BONE_LENGTH,
     CHAIN,
@@ -18,7 +19,6 @@ from studio.human.skeleton import (
     NEUTRAL_DIRECTION,
     PARENTS,
 )
-from studio.human.sources import SKELETONS, SourceSkeleton, skeleton
 
 
 def source_frame(source: SourceSkeleton, canonical: np.ndarray) -> np.ndarray:

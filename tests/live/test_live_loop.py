@@ -13,8 +13,8 @@ from studio.human.pose import HumanPose
 from studio.live import commands as c
 from studio.live.clock import FakeClock, WallClock
 from studio.live.loop import LiveLoop
+from studio.live.reading import OpenedSource, open_for
 from studio.live.runtime import Runtime, RuntimeConfig
-from studio.live.source import OpenedSource, open_for
 from studio.robot import a1
 from studio.sources import Source, SourceEnded
 from studio.synthetic.operator import OperatorSource

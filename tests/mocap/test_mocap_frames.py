@@ -7,8 +7,8 @@ import pytest
 
 from studio.errors import StudioError
 from studio.human.pose import HumanPose
+from studio.human.sensor_skeletons import SKELETONS
 from studio.human.skeleton import INDEX, JOINTS, NEUTRAL
-from studio.human.sources import SKELETONS
 from studio.mocap.frames import read_frames
 from studio.mocap.gate import object_of
 from studio.mocap.imports import import_human

@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 
 from studio.errors import StudioError
 from studio.human.pose import HumanPose
+from studio.human.sensor_skeletons import SKELETONS
 from studio.human.skeleton import INDEX, NEUTRAL
-from studio.human.sources import SKELETONS
 from studio.mocap.gate import BURST, MAX_RATE, FrameGate, object_of
 from studio.mocap.raw_frame import MAX_BYTES, FrameRejected
 

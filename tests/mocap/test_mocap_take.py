@@ -8,7 +8,7 @@ from make_ticks import make_ticks  # type: ignore[import-not-found]
 
 from studio.errors import StudioError
 from studio.mocap.source import Source, SourceEnded
-from studio.mocap.take import TakeSource
+from studio.mocap.take_source import TakeSource
 from studio.robot import a1
 from studio.takes.library import SessionLibrary
 from studio.takes.take import Recorder

@@ -5,13 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio import geometry
-from studio.reference.consistency import (
-    ContactConfig,
-    ContactLock,
-    limit_speed,
-    limit_turn,
-    make_consistent,
-)
+from studio.reference.consistency import limit_speed, limit_turn, make_consistent
+from studio.reference.contact_lock import ContactConfig, ContactLock
 from studio.reference.motion import ReferenceMotion
 from studio.robot import a1, kinematics
 

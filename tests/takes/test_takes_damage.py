@@ -16,7 +16,7 @@ from make_ticks import make_ticks
 
 from studio.errors import StudioError
 from studio.live.mappers import list_mappers, open_mapper
-from studio.mocap.take import TakeSource
+from studio.mocap.take_source import TakeSource
 from studio.takes import commands
 from studio.takes.columns import columns
 from studio.takes.dataset import datasets

@@ -21,13 +21,13 @@ from studio.retarget.retargeter import Retargeter
 from studio.synthetic import Person, perform, play
 from studio.synthetic import signals as sig
 from studio.training import checkpoint
-from studio.training.mapper import make_pairs, run_train_mapper
 from studio.training.mapper_fit import MapperTraining, fit_expert, new_net, score
 from studio.training.operator_pairs import (
     mirrored,
     pair_up,
 )
 from studio.training.selector_data import SIT, STAND, UNLABELLED, WALK, labels, sequences
+from studio.training.train_mapper import make_pairs, run_train_mapper
 
 SMALL = MapperTraining(steps=400, hidden=64, batch=128, seconds=120.0, seed=5)
 

@@ -17,11 +17,11 @@ from studio.rl.curriculum import Curriculum, Stage
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
 from studio.training import checkpoint
-from studio.training.policy import run_train_policy
 from studio.training.policy_settings import PolicyTraining
 from studio.training.policy_trainer import PolicyTrainer
 from studio.training.ppo import PAPER, PpoConfig, TorchEnv, collect, make_algorithm
 from studio.training.recipes import Recipe
+from studio.training.train_policy import run_train_policy
 
 SMALL = PpoConfig(horizon=6, epochs=1, minibatch=48, hidden=(32, 32))
 

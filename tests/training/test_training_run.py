@@ -13,9 +13,9 @@ from studio.control.policy import Policy
 from studio.errors import StudioError
 from studio.training import checkpoint
 from studio.training.device import threads
-from studio.training.policy import run_train_policy
 from studio.training.policy_settings import PolicyTraining
 from studio.training.ppo import PpoConfig
+from studio.training.train_policy import run_train_policy
 
 EACH = 4 * 6
 """Samples an iteration: robots times control periods."""

@@ -8,10 +8,10 @@ import pytest
 
 from studio.errors import StudioError
 from studio.training import checkpoint, stages
-from studio.training.policy import run_train_policy
 from studio.training.policy_settings import PolicyTraining
 from studio.training.ppo import PpoConfig
 from studio.training.stages import stages_of
+from studio.training.train_policy import run_train_policy
 
 LESSON = 4 * 24
 """Samples of one lesson of four robots."""

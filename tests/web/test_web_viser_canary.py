@@ -13,9 +13,9 @@ from viser import _messages
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
-from studio.web.batch import Batch
 from studio.web.figures import ball_mesh
 from studio.web.inner import SECRET_HEADER, InnerViser, client_html, client_message_allowed
+from studio.web.scene_batch import Batch
 
 
 @pytest.fixture(scope="module")

@@ -4,13 +4,13 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from studio.control.command import LIMITS, checked_gain
+from studio.control.drive_command import LIMITS, checked_gain
 from studio.control.trackers import CONTROLLERS
 from studio.errors import StudioError
 from studio.live.command import Command, Made, OneOf, with_why
 from studio.live.mappers import SHIPPED, OpenedMapper, open_mapper
+from studio.live.reading import OpenedSource, open_follower, open_for
 from studio.live.replay import Replay, open_replay
-from studio.live.source import OpenedSource, open_follower, open_for
 from studio.reference.intent import STATES
 from studio.retarget.store import STYLES, load_experts
 

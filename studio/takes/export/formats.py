@@ -11,15 +11,13 @@ from pathlib import Path
 
 from studio.errors import StudioError, unknown_name
 from studio.files import whole
-from studio.takes.export.arrays import write_csv, write_npz
 from studio.takes.export.bvh import write_human_bvh
 from studio.takes.export.extent import human_poses, tick_range
-from studio.takes.export.frames import write_frames
 from studio.takes.export.hdf5 import write_hdf5
 from studio.takes.export.html import write_html
 from studio.takes.export.lerobot import write_lerobot
 from studio.takes.export.mcap import write_mcap
-from studio.takes.export.pairs_table import write_pairs
+from studio.takes.export.tables import write_csv, write_frames, write_npz, write_pairs
 from studio.takes.take import Take
 
 __all__ = ["FORMATS", "Format", "export", "export_file", "human_poses", "tick_range"]

@@ -8,9 +8,9 @@ import numpy as np
 from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.human.posture import SEEN
-from studio.human.sources import SKELETONS
-from studio.mocap.report import SourceReport, report_on
+from studio.human.sensor_skeletons import SKELETONS
 from studio.mocap.source import Source, SourceEnded
+from studio.mocap.source_report import SourceReport, report_on
 from studio.robot import a1
 from studio.takes.export.formats import tick_range
 from studio.takes.library import SessionLibrary

@@ -5,7 +5,7 @@ import logging
 from dataclasses import dataclass
 from pathlib import Path
 
-from studio.control.command import PuppeteerConfig
+from studio.control.drive_command import PuppeteerConfig
 from studio.human.calibration import Calibration, calibrate
 from studio.human.pose import HumanPose
 from studio.sources import Source, SourceEnded, open_source

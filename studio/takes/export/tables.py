@@ -1,14 +1,23 @@
-"""A take as plain numbers: numpy's NPZ, an array a field; CSV, a row a tick."""
+"""One take to a plain file: NumPy arrays, a CSV, human frames, a Parquet of its pairs."""
 
 import csv
 from pathlib import Path
 
 import msgspec
 import numpy as np
+import pyarrow.parquet as pq
 from numpy.typing import NDArray
 
+from studio.errors import StudioError
+from studio.human.features import FEATURE_NAMES
+from studio.reference.intent import STATES
 from studio.robot import a1
+from studio.takes.dataset.datasets import code_version
+from studio.takes.dataset.pairs import take_pairs, why_none
+from studio.takes.dataset.pairs_file import table_of
+from studio.takes.export.bvh import some_poses
 from studio.takes.export.extent import tick_range
+from studio.takes.library import SessionLibrary
 from studio.takes.record import codec
 from studio.takes.take import Take
 from studio.takes.tick import fields_in
@@ -64,3 +73,30 @@ def _columns() -> list[str]:
         parts = a1.JOINTS if shape == (12,) else [str(i) for i in range(int(np.prod(shape)))]
         out += [f"{field.column}_{part}" for part in parts]
     return out + [f"target_{joint}" for joint in a1.JOINTS]
+
+
+def write_frames(take: Take, path: Path) -> None:
+    """Human frames of docs/contract.md (skeleton "studio") within the trim."""
+    lines = [codec.encode("human", pose) for pose in some_poses(take)]
+    path.write_bytes(b"\n".join(lines) + b"\n")
+
+
+def write_pairs(take: Take, path: Path) -> None:
+    """Columns of `datasets.schema`; the file's metadata names them. StudioError without a pair."""
+    library = SessionLibrary(take.path.parent)
+    found = take_pairs(library, take.name)
+    if not len(found):
+        raise StudioError(why_none(library, take.name))
+    about = {
+        "take": take.name,
+        "label": found.label,
+        "lag": found.lag,
+        "aligned": found.aligned,
+        "code": code_version(),
+        "states": STATES,
+        "features": FEATURE_NAMES,
+        "joints": a1.JOINTS,
+        "fps": a1.CONTROL_HZ,
+    }
+    table = table_of(found, 0).replace_schema_metadata({"a1_studio": msgspec.json.encode(about)})
+    pq.write_table(table, path, compression="zstd")

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.human.sensor_skeletons import SKELETONS, SourceSkeleton
 from studio.human.skeleton import INDEX, JOINTS
-from studio.human.sources import SKELETONS, SourceSkeleton
 
 MAX_WHY = 5
 """Reasons kept; a file that is wrong throughout gives the same one a million times."""
