@@ -62,7 +62,10 @@ class Served:
 
 @contextlib.contextmanager
 def served(*options: str) -> Iterator[Served]:
-    """`a1-studio serve` with some more options, ended afterwards."""
+    """`a1-studio serve` with some more options, ended afterwards.
+
+    Raises StudioError when it does not start.
+    """
     port = _free_port()
     began = time.perf_counter()
     server = subprocess.Popen(

@@ -102,7 +102,7 @@ def control_period(seconds: float) -> tuple[dict[str, dict[str, float]], dict[st
 
 
 def percentiles(values: np.ndarray) -> dict[str, float]:
-    """p50, p95, p99 and max."""
+    """p50, p95, p99 and max of values (N,), in their unit."""
     p50, p95, p99 = np.percentile(values, [50, 95, 99])
     return {
         "p50": float(p50),

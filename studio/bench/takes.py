@@ -68,7 +68,10 @@ def listing(root: Path, pattern: list[Tick], takes: int) -> dict[str, float]:
 
 
 def long_take(root: Path, pattern: list[Tick], minutes: float) -> dict[str, float]:
-    """Record a take of that length with the real recorder, then look at it in a fresh process."""
+    """Record a take of that length with the real recorder, then look at it in a fresh process.
+
+    Each figure in the unit that its name ends in.
+    """
     name = f"long-{60 * minutes:.0f}s"
     recorder = Recorder(root)
     began = time.perf_counter()

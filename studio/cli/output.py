@@ -30,7 +30,7 @@ def take_option(argv: list[str], option: str) -> tuple[list[str], str | None]:
 
 
 def give(answer: Any, destination: str | None) -> None:
-    """The object to its file, or what people read of it to the terminal."""
+    """The object to its file, or to the terminal. StudioError if the file cannot be written."""
     if answer is None:
         return
     text = json.dumps(strict(answer), indent=1, default=float, allow_nan=False)

@@ -25,14 +25,17 @@ class ActionConfig:
 
 
 def clip_action(action: Array) -> Array:
-    """(…, 12) within ±ACTION_CLIP, as it enters history and target."""
+    """The action (…, 12), no unit, within ±ACTION_CLIP, as it enters history and target."""
     return np.minimum(np.maximum(action, -ACTION_CLIP), ACTION_CLIP)
 
 
 def pd_target(
     action: Array, reference_joint_pos: Array, neutral_joint_pos: Array, config: ActionConfig
 ) -> Array:
-    """(…, 12) rad: p̄ + scale · a, or neutral + scale · a, clipped to the joint limits."""
+    """(…, 12) rad: p̄ + scale · a, or neutral + scale · a, clipped to the joint limits.
+
+    action (…, 12), no unit; the joint angles (…, 12) rad. Raises StudioError for an unknown mode.
+    """
     if config.mode == "residual":
         base = reference_joint_pos
     elif config.mode == "absolute":

@@ -70,11 +70,14 @@ LIMITS: dict[str, tuple[float, float]] = {
     "dead_zone": (0.0, 0.5),
     "speed_cap": (0.0, 1.5),
 }
-"""Ranges of the operator's sliders."""
+"""Ranges of the operator's sliders: a factor of the tilt, rad of tilt, m/s."""
 
 
 def checked_gain(name: str, value: float) -> float:
-    """A value within the range of a name of LIMITS. StudioError otherwise."""
+    """The value, if it is within the range of a name of LIMITS, and in its unit.
+
+    Raises StudioError otherwise.
+    """
     if name not in LIMITS:
         raise unknown_name("gain", name, LIMITS)
     low, high = LIMITS[name]

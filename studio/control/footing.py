@@ -22,7 +22,7 @@ def feet_w(pose: RobotPose) -> Array:
 
 
 def solve(base_pos: Array, base_quat: Array, feet: Array) -> RobotPose:
-    """The pose with the base where it is asked to be and the feet at (4, 3) m, world."""
+    """The pose with the base at (3,) m and (4,) wxyz and the feet at (4, 3) m, all in the world."""
     feet_b = (feet - base_pos) @ scalars.matrix(base_quat.tolist())
     return RobotPose(
         base_pos=base_pos,
@@ -49,7 +49,7 @@ def placed(pose: RobotPose, position: Array, yaw: float) -> RobotPose:
 
 
 def over_feet(feet: Array, state: StateName) -> RobotPose:
-    """The neutral pose of `state` at the place and heading that feet (4, 3) m fit best."""
+    """The neutral pose of `state` where it fits feet at (4, 3) m in the world best."""
     position, yaw = fit_plane(NEUTRAL_FEET[state][:, :2], feet[:, :2])
     return placed(NEUTRAL[state], position, yaw)
 

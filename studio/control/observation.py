@@ -51,7 +51,8 @@ def level_quat(state: StateName) -> tuple[float, float, float, float]:
 def roll_pitch(quat: Array, level: Array = geometry.IDENTITY_QUAT) -> Array:
     """(N, 2) rad, roll and pitch of the levelled trunk (N, 4) against its own world's vertical.
 
-    With u the world's z in the levelled frame: roll = atan2(u_y, u_z), pitch = −asin u_x.
+    With u the world's z in the levelled frame: roll = atan2(u_y, u_z), pitch = −asin u_x. level:
+    (4,) T_level_base, the neutral tilt that is taken off.
     """
     up = geometry.up_in_body(quat) @ scalars.matrix(level.tolist()).T
     out = np.empty(up.shape[:-1] + (2,))
@@ -95,7 +96,12 @@ def reference_frame(
     base_ang_vel_b: Array,
     level: Array,
 ) -> Array:
-    """p̄_t (N, 18) of reference poses with leading axis N: nothing in it needs odometry."""
+    """p̄_t (N, 18) of reference poses: nothing in it needs odometry.
+
+    joint_pos (N, 12) rad; base_height (N,) m; base_quat (N, 4) and base_lin_vel_w (N, 3) m/s in
+    the world; base_ang_vel_b (N, 3) rad/s, body; level (4,) T_level_base. p̄: joints, height, roll
+    and pitch, the rate about the world's z, the velocity ahead and to the left.
+    """
     yaw = heading_of(base_quat, level)
     c, s = np.cos(yaw), np.sin(yaw)
     vx, vy = base_lin_vel_w[..., 0], base_lin_vel_w[..., 1]
@@ -200,7 +206,10 @@ class History:
     def reset(
         self, ids: NDArray[np.intp] | slice, z: Array, reference: Array, contact: Array
     ) -> None:
-        """Fill the history of `ids` with one frame and no action; contact: (n, 4) of the feet."""
+        """Fill the history of n robots `ids` with one frame of each and no action.
+
+        z (n, 16 or 17) of `sensor_frame`, reference (n, 18) of `reference_frame`, contact (n, 4).
+        """
         self.z[ids] = z[:, None]
         self._past[ids] = reference[:, None]
         self.actions[ids] = 0.0
@@ -211,7 +220,7 @@ class History:
             self._feet[ids], self._stood[ids] = _footholds(z), contact
 
     def push(self, z: Array, reference: Array, contact: Array) -> None:
-        """A new frame of every robot; contact: (N, 4) 1 where a foot's sensor feels the ground."""
+        """A new frame of every robot, as for `reset`; contact: 1 where a foot feels the ground."""
         self.z[:, :-1] = self.z[:, 1:]
         self.z[:, -1] = z
         self._past[:, :-1] = self._past[:, 1:]

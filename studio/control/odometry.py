@@ -30,7 +30,10 @@ millimetres, and turning it with the feet, as `displacement` does, costs nothing
 
 
 def level_feet(joint_pos: Array, roll: Array, pitch: Array) -> Array:
-    """(N, 4, 3) m, feet relative to the trunk, its roll and pitch (N,) undone, heading kept."""
+    """(N, 4, 3) m, feet relative to the trunk, its roll and pitch (N,) rad undone, heading kept.
+
+    joint_pos: (N, 12) rad.
+    """
     feet = kinematics.foot_pos_b(joint_pos)
     x, y, z = feet[..., 0], feet[..., 1], feet[..., 2]
     cr, sr = np.cos(roll)[:, None], np.sin(roll)[:, None]

@@ -125,6 +125,7 @@ class Policy:
 
         Exactly what the environment does in training: the reference and the robot enter the
         history, the network acts on it, its output is remembered and added to the reference.
+        Raises StudioError for a policy that is to see its reference's future.
         """
         if self.observation.future:
             raise StudioError("this policy needs the true future: only `evaluate` can give it that")
@@ -160,7 +161,10 @@ def manifest_of(
     neutral: Array,
     **facts: Any,
 ) -> dict[str, Any]:
-    """Everything needed to run the weights elsewhere, and where they come from (`facts`)."""
+    """Everything needed to run the weights elsewhere, and where they come from (`facts`).
+
+    level: (4,) T_level_base of the state. neutral: (12,) rad.
+    """
     return {
         "state": state,
         "observation": asdict(observation),
@@ -179,7 +183,10 @@ def manifest_of(
 def save_policy(
     path: Path, tensors: dict[str, NDArray[np.float32]], manifest: dict[str, Any]
 ) -> None:
-    """Write NAME.safetensors and NAME.json, each whole or not at all."""
+    """Write NAME.safetensors and NAME.json, each whole or not at all. Raises OSError.
+
+    tensors: mean and std (dim,) of the observation, weight_i (out, in) and bias_i (out,).
+    """
     with whole(path, parents=True) as scratch:
         save_file(tensors, scratch)
     write_whole(path.with_suffix(".json"), json.dumps(manifest, indent=1) + "\n")

@@ -21,7 +21,7 @@ def _repeat(index: NDArray[np.intp], sign: Array, times: int) -> tuple[NDArray[n
 
 
 def observation_mirror(config: ObservationConfig) -> tuple[NDArray[np.intp], Array]:
-    """(index, sign), each (dim,): mirrored = sign * observation[..., index]."""
+    """(index, sign), each (dim,), no unit: mirrored = sign * observation[..., index]."""
     # z: roll, pitch, roll rate, pitch rate (, yaw rate); p̄: height, roll, pitch, yaw rate, v_x, v_y
     z = _repeat(*_block([-1.0, 1.0, -1.0, 1.0] + ([-1.0] if config.yaw_rate else [])), FRAMES)
     a = _repeat(*_block([]), PAST_ACTIONS)
@@ -35,7 +35,7 @@ def observation_mirror(config: ObservationConfig) -> tuple[NDArray[np.intp], Arr
 
 
 def privileged_mirror() -> tuple[NDArray[np.intp], Array]:
-    """(index, sign) of `ImitationEnv.privileged`, block by block in its order."""
+    """(index, sign), each (PRIVILEGED_DIM,), no unit, of `ImitationEnv.privileged`."""
     blocks = [
         (np.arange(3), np.array([1.0, -1.0, 1.0])),  # velocity
         (np.arange(1), np.ones(1)),  # height

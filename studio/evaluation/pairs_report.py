@@ -44,7 +44,7 @@ class Report:
 
 
 def report(config: Report) -> dict[str, Any]:
-    """Make the rows and put their table into the file."""
+    """Make the rows and put their table into the file; StudioError if it has no place for it."""
     rows: list[dict[str, Any]] = []
     for seed in config.seeds:
         options = Options(episodes=config.episodes, seed=seed, steps=config.steps)

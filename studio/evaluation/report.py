@@ -70,7 +70,10 @@ def make(config: Report) -> dict[str, Any]:
 
 
 def load(folder: Path) -> dict[str, Rows]:
-    """The tables made so far: those of the policies first, in their order, then the others."""
+    """The tables made so far: those of the policies first, in their order, then the others.
+
+    Their figures are in the units that their names end in.
+    """
     found = {file.stem: json.loads(file.read_text()) for file in sorted(folder.glob("*.json"))}
     order = [name for name in TABLES if name in found]
     return {name: found[name] for name in (*order, *(n for n in found if n not in TABLES))}

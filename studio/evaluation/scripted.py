@@ -39,7 +39,10 @@ def controllers(state: StateName) -> list[str]:
 def record(
     state: StateName, tracks: Sequence[IntentTrack], controller: str, *, seed: int = 0
 ) -> Recording:
-    """Track every script (all of one length) without noise, at nominal dynamics."""
+    """Track every script (all of one length) without noise, at nominal dynamics.
+
+    Raises StudioError where no such policy is trained.
+    """
     motions = [realize(track) for track in tracks]
     tasks = tuple(dict.fromkeys(m.task for m in motions))
     bank = assemble(state, tasks, motions, [1.0] * len(motions))

@@ -102,6 +102,7 @@ def compare(
     """A row for each state and contender, on the same held-out motions, dynamics and noise.
 
     motions: draws a chunk's bank from (state, number of episodes, seed); None: the library's.
+    Raises StudioError for fewer than one episode.
     """
     if episodes < 1:
         raise StudioError("an evaluation needs --episodes of at least 1")

@@ -24,7 +24,7 @@ TILT = np.radians([25.0, 25.0, 25.0])
 
 
 def voxel_volume(points: Array, size: float = VOXEL) -> float:
-    """m³ of the cubes of edge `size` that points (N, 3) fall into."""
+    """m³ of the cubes of edge `size` m that points (N, 3) m fall into, in any frame."""
     return len(np.unique(np.floor(points / size).astype(int), axis=0)) * size**3
 
 

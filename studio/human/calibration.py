@@ -140,7 +140,10 @@ class Calibrator:
     def push(
         self, pose: HumanPose, length: Array | None = None, seen: NDArray[np.bool_] | None = None
     ) -> None:
-        """Take in one pose; `length`, `seen`: its `bone_lengths`, where the caller has them."""
+        """Take in one pose.
+
+        length (18,) m, seen (18,): its `bone_lengths`, where the caller has them.
+        """
         if length is None or seen is None:
             length, seen = bone_lengths(pose.joint_pos_w, pose.confidence)
         if not seen.any():

@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 
 
 def smoothing(cutoff: Array | float, dt: float) -> Array | float:
-    """Gain r / (r + 1), r = 2π f dt, of a first-order low-pass at f = `cutoff` Hz."""
+    """Gain (...) r / (r + 1), r = 2π f dt, of a first-order low-pass at f = `cutoff` (...) Hz."""
     r = (2.0 * math.pi * dt) * cutoff
     return r / (r + 1.0)
 
@@ -54,7 +54,7 @@ class OneEuro:
 class HoldThenEase:
     """Directions that go missing: held for `hold` s, then eased (time constant `tau` s) to neutral.
 
-    For unit vectors (B, 3), each with an age of its own. One thread.
+    For unit vectors (B, 3), all in one frame, each with an age of its own. One thread.
     """
 
     def __init__(

@@ -213,5 +213,8 @@ def bvh_skeleton(
     parents: Sequence[int] | None = None,
     by_hand: Mapping[str, Sequence[str]] | None = None,
 ) -> SourceSkeleton:
-    """The map of a hierarchy of named joints onto the canonical ones; see `find_joints`."""
+    """The map of a hierarchy of named joints onto the canonical ones; see `find_joints`.
+
+    axes: rotation matrix (3, 3) from the file's world to ours.
+    """
     return skeleton_of("bvh", names, axes, find_joints(names, parents, by_hand))

@@ -27,7 +27,9 @@ _UPRIGHT_JOINTS = (_L_SHOULDER, _R_SHOULDER, *_LEGS[0], *_LEGS[1])
 
 
 def body_heading(joint_pos_w: Array, confidence: Array) -> tuple[float, float]:
-    """Heading (rad) of the lower body and its weight (m; 0 when it cannot be told).
+    """Heading (rad) in the world of the lower body and its weight (m; 0 when nothing shows it).
+
+    joint_pos_w (19, 3) m, confidence (19,).
 
     Both feet, the line of the hips, and a little of the shoulders, so that noise on one short
     line matters less. In real twists of the trunk the shoulders turned 100 degrees, the hips 60,

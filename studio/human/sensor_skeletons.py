@@ -20,7 +20,8 @@ AXES_KINECT2: Array = np.array([[0, 0, -1], [-1, 0, 0], [0, 1, 0]], dtype=float)
 
 
 def axes_for(up: str, mirrored: bool = False) -> Array:
-    """The axes (3, 3) of a world whose `up` is "x", "y", "z" or one of these with a "-".
+    """The axes (3, 3) of a world whose `up` is "x", "y", "z" or one of these with a "-": the
+    rotation matrix (mirrored: times a reflection) by which its positions become ours.
 
     right-handed, people facing the axis after it (+z in a y-up world); mirrored: left-handed.
     """
@@ -114,6 +115,7 @@ def skeleton_of(
 
     The trunk is then defined geometrically, whatever spine the source has: pelvis = mid-hip,
     chest = mid-shoulder, spine = their middle, neck a fixed share of the way from chest to head.
+    axes: (3, 3), from the source's world to ours.
     """
     index = {joint: i for i, joint in enumerate(joints)}
     w = np.zeros((NUM_JOINTS, len(joints)))

@@ -45,7 +45,7 @@ class FakeClock:
         self.time = start
 
     def now(self) -> float:
-        """The time set so far."""
+        """The time set so far, s."""
         return self.time
 
     def sleep_until(self, t: float, wake: threading.Event | None = None) -> None:

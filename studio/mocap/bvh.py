@@ -156,7 +156,8 @@ def find_scale(rest: Array, first: Array) -> float:
 
     rest, first: canonical joints (19, 3) in the rest pose and in the first frame, file units. The
     rest pose tells, unless the motion's positions say something else altogether. Where no unit
-    fits, the scale is the one that makes the legs as long as the template's.
+    fits, the scale is the one that makes the legs as long as the template's. Raises StudioError
+    for legs of no length.
     """
     leg, moving = _leg(rest), _leg(first)
     if not 0.5 * moving < leg < 2.0 * moving:

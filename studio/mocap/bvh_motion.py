@@ -23,7 +23,10 @@ BLOCK = 1024
 
 
 def read_timing(lines: Lines) -> tuple[int, float]:
-    """Frames claimed and seconds a frame, of "Frames: 12" and "Frame Time:.01" however spaced."""
+    """Frames claimed and seconds a frame, of "Frames: 12" and "Frame Time:.01" however spaced.
+
+    Raises StudioError for other words, and for what is no count or no usable time.
+    """
     values = []
     for key, example in (("frames:", "Frames: N"), ("frametime:", "Frame Time: SECONDS")):
         text = "".join(next(lines.rows(), [])).lower()
@@ -52,7 +55,10 @@ class MotionRows:
         self.refused = Refused()
 
     def blocks(self) -> Iterator[tuple[Indices, Array]]:
-        """Numbers (≤ BLOCK,) of the good frames and their rows (≤ BLOCK, C), all finite."""
+        """Numbers (≤ BLOCK,) of the good frames and their rows (≤ BLOCK, C), all finite.
+
+        Raises StudioError for a row of the wrong length, and past MAX_FRAMES.
+        """
         numbers: list[int] = []
         rows: list[Array] = []
         for words in self._rows():

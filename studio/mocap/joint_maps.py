@@ -27,7 +27,10 @@ class _Kept(msgspec.Struct):
 
 
 def joint_map_of(said: object) -> JointMap:
-    """A map as JSON gives it, checked: names, lists of names or null by canonical joint."""
+    """A map as JSON gives it, checked: names, lists of names or null by canonical joint.
+
+    Raises StudioError for another form, and for a joint that we do not know.
+    """
     try:
         raw = msgspec.convert(said, dict[str, str | list[str] | None])
     except msgspec.ValidationError as error:
@@ -73,7 +76,10 @@ class JointMaps:
             return None
 
     def remember(self, names: Sequence[str], joint_map: Mapping[str, Sequence[str]]) -> None:
-        """Keep a map for these joints, in place of the one before; an empty one forgets it."""
+        """Keep a map for these joints, in place of the one before; an empty one forgets it.
+
+        Raises StudioError if it cannot be written.
+        """
         path = self._path(names)
         kept = _Kept(joints=list(names), map={j: list(own) for j, own in joint_map.items()})
         try:

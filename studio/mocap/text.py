@@ -30,7 +30,10 @@ class Lines:
         return StudioError(f"{self.name}, line {self.number}: {what}")
 
     def rows(self) -> Iterator[list[str]]:
-        """The words of each line left that is not blank; a brace is always a word of its own."""
+        """The words of each line left that is not blank; a brace is always a word of its own.
+
+        Raises StudioError for a line longer than MAX_LINE.
+        """
         while text := self._file.readline(MAX_LINE + 1):
             self.number += 1
             if len(text) > MAX_LINE:
@@ -44,7 +47,7 @@ class Lines:
                 yield words
 
     def word(self) -> str:
-        """The next word, on this line or a later one."""
+        """The next word, on this line or a later one. StudioError at the end of the file."""
         if not self._words:
             self._words.extend(next(self.rows(), []))
         if not self._words:
@@ -59,7 +62,7 @@ class Lines:
         return " ".join(name)
 
     def finite(self, word: str) -> float:
-        """The number a word says."""
+        """The number in a word, in its own unit. StudioError if there is none, or none finite."""
         try:
             value = float(word)
         except ValueError:

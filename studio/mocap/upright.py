@@ -14,9 +14,9 @@ _LEFT, _RIGHT = ([INDEX[f"{s}_{j}"] for j in ("hip", "knee", "ankle", "toe")] fo
 def find_axes(moving: Array, rest: Array) -> tuple[Array, bool]:
     """The axes (3, 3) of a file's world, and whether it is a mirror image of ours.
 
-    moving: (T, 19, 3) canonical joints, in file axes; rest: (19, 3) in its rest pose, all zeros
-    where it has none. Up is where the chest mostly is above the ankles. People lie down and stand
-    on their hands: where that is not +y or +z, a rest pose that clearly stands goes before.
+    moving: (T, 19, 3) canonical joints, in file axes and units; rest: (19, 3) in its rest pose, all
+    zeros where it has none. Up is where the chest mostly is above the ankles. People lie down and
+    stand on their hands: where that is not +y or +z, a rest pose that clearly stands goes before.
     """
     up = _upward(np.median(_trunk(moving), axis=0))
     standing = _trunk(rest)

@@ -22,7 +22,7 @@ SPEED = 0.60
 
 
 def smoothstep(x: ArrayLike) -> Array:
-    """3 x^2 - 2 x^3 of x clipped to [0, 1]: smooth from 0 to 1."""
+    """3 x^2 - 2 x^3 of x (...) clipped to [0, 1]: smooth from 0 to 1."""
     x = np.minimum(np.maximum(np.asarray(x, dtype=np.float64), 0.0), 1.0)
     return x * x * (3.0 - 2.0 * x)
 
@@ -34,6 +34,9 @@ def contact_label(sole_height: ArrayLike, speed: ArrayLike) -> Array:
 
 
 def contact_labels(foot_pos_w: Array, dt: float) -> Array:
-    """Labels (T, 4) of foot centres (T, 4, 3) m in the world; speeds by backward differences."""
+    """Labels (T, 4) of foot centres (T, 4, 3) m in the world, a row every dt s.
+
+    Speeds by backward differences.
+    """
     speed = np.linalg.norm(backward_difference(foot_pos_w, dt), axis=-1)
     return contact_label(foot_pos_w[..., 2] - a1.FOOT_RADIUS, speed)

@@ -62,12 +62,12 @@ REST_PHASE = 0.49
 
 
 def tempo(cadence: ArrayLike) -> Array:
-    """Which gait (...) a cadence asks for: 0 slow crawl, 0.5 quick crawl, 1 trot."""
+    """Gait (...) of a cadence (...) in strides/s: 0 slow crawl, 0.5 quick crawl, 1 trot."""
     return np.interp(np.asarray(cadence, dtype=np.float64), _CADENCES, (0.0, 0.5, 1.0))
 
 
 def trot_share(tempo: ArrayLike) -> Array:
-    """0 while feet swing one at a time, 1 in a trot, smooth in between."""
+    """Share (...): 0 while feet swing one at a time, 1 in a trot, smooth in between."""
     return smoothstep(2.0 * np.asarray(tempo, dtype=np.float64) - 1.0)
 
 
@@ -84,12 +84,12 @@ def leg_offsets(tempo: ArrayLike) -> Array:
 
 
 def max_travel(cadence: ArrayLike) -> Array:
-    """Longest way (...) m of the body over one standing foot."""
+    """Longest way (...) m of the body over one standing foot, at a cadence (...) strides/s."""
     return np.interp(np.asarray(cadence, dtype=np.float64), *_TRAVELS)
 
 
 def swing_profile(s: ArrayLike) -> Array:
-    """Share of its way a foot has made at share s of its swing: speeds up, even, slows down.
+    """Share (...) of its way a foot has made at share s of its swing: quicker, even, slower.
 
     A trapezoid of speed: at most 4/3 of the mean, where minimum jerk would need 15/8 and, at
     0.97 m/s, joints past 900 degrees a second.
@@ -126,7 +126,7 @@ def march_lift(cadence: ArrayLike, speed: ArrayLike) -> Array:
 
 
 def max_turn(cadence: ArrayLike) -> Array:
-    """Fastest turn (...) rad/s at a cadence."""
+    """Fastest turn (...) rad/s at a cadence (...) strides/s."""
     return MAX_YAW_PER_STRIDE * np.asarray(cadence, dtype=np.float64)
 
 
@@ -135,7 +135,7 @@ def _step_share(lift: ArrayLike) -> Array:
 
 
 def swing_height(s: ArrayLike) -> Array:
-    """Share of its clearance a foot has at share s of its swing: up, along, down."""
+    """Share (...) of its clearance a foot has at share s of its swing: up, along, down."""
     s = np.asarray(s, dtype=np.float64)
     return smoothstep(s / 0.4) * smoothstep((1.0 - s) / 0.4)
 
@@ -153,7 +153,10 @@ def clearance(lift: ArrayLike, cadence: ArrayLike) -> Array:
 
 
 def sway(phase: ArrayLike, cadence: ArrayLike, tempo: ArrayLike) -> Array:
-    """Offset (..., 2) m of the trunk along and to the left of its path."""
+    """Offset (..., 2) m of the trunk along and to the left of its path.
+
+    phase (...) in strides, cadence (...) in strides/s, tempo as `tempo` gives it.
+    """
     phase, cadence = np.asarray(phase, dtype=np.float64), np.asarray(cadence, dtype=np.float64)
     turn = 2.0 * np.pi * (phase - _SWAY_CENTRE)
     lag = _HEIGHT_OVER_G * (2.0 * np.pi * cadence) ** 2

@@ -37,7 +37,7 @@ class Goal:
 
 
 def minimum_jerk(s: ArrayLike) -> Array:
-    """10 s^3 - 15 s^4 + 6 s^5 of s clipped to [0, 1]: at rest at both ends."""
+    """10 s^3 - 15 s^4 + 6 s^5 of s (...) clipped to [0, 1]: at rest at both ends."""
     s = np.clip(np.asarray(s, dtype=np.float64), 0.0, 1.0)
     return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
 

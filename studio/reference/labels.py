@@ -69,7 +69,10 @@ def label_motion(
 
 
 def mirror_labels(labels: Mapping[str, NDArray]) -> dict[str, NDArray]:
-    """The labels of the motion as its mirror image in the x-z plane makes it: left is right."""
+    """The labels of the motion as its mirror image in the x-z plane makes it: left is right.
+
+    Shapes, units and frames as those of `label_motion`.
+    """
 
     def mirror(name: str, x: NDArray) -> NDArray:
         if name.startswith("joint"):

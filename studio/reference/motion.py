@@ -65,7 +65,10 @@ class ReferenceMotion:
 
 
 def backward_difference(x: Array, dt: float) -> Array:
-    """(T, ...) rates of change by backward differences; the first row repeats the second."""
+    """Rates of change (T, ...), per second, of x (T, ...), a row every dt s.
+
+    By backward differences; the first row repeats the second.
+    """
     out = np.zeros_like(x)
     if len(x) > 1:
         out[1:] = np.diff(x, axis=0) / dt

@@ -55,7 +55,10 @@ def sit_poses(tilt: Array, reach: Array, reach_side: Array) -> tuple[Array, Arra
 
 
 def arm_joints(reach: Array, side: Array) -> Array:
-    """Joint angles (T, 2, 3) of the front legs: from rest past pointing forward to overhead."""
+    """Joint angles (T, 2, 3) rad of the front legs: from rest past pointing forward to overhead.
+
+    reach (T, 2) in [0, 1], side (T, 2) in [-1, 1].
+    """
     blend = reach[..., None]
     arm = stances.SIT_PAW_REST + (stances.SIT_PAW_UP - stances.SIT_PAW_REST) * blend
     # The trunk's x axis points up: paws before the chest swing aside about it.

@@ -37,7 +37,7 @@ class Mlp:
 
     @staticmethod
     def from_tensors(tensors: Mapping[str, NDArray], prefix: str) -> "Mlp":
-        """Read `<prefix>.0.weight` (in, out), `<prefix>.0.bias` … until there are no more.
+        """Read `<prefix>.0.weight` (in, out), `<prefix>.0.bias` (out,) … until there are no more.
 
         Raises StudioError when there is no such network in the file.
         """

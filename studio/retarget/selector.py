@@ -129,7 +129,7 @@ class Selector:
         self.lock = name
 
     def step(self, triplet: NDArray) -> Choice:
-        """Decide on one frame's triplet (3F,)."""
+        """Decide on one frame's triplet (3F,), as `human.features` makes it."""
         p = self.prototypes
         labels, distances = p.nearest(p.embed(triplet), self.config.k)
         share = np.bincount(labels, minlength=len(NAMES)) / len(labels)

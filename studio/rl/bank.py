@@ -57,7 +57,10 @@ class MotionBank:
         return self.joint_pos.shape[1]
 
     def choices(self, stage: Stage) -> NDArray[np.intp]:
-        """Motions of the stage's tasks up to its difficulty."""
+        """Indices (n,) of the motions of the stage's tasks up to its difficulty.
+
+        Raises StudioError where there is none.
+        """
         known = np.isin(np.array(self.tasks)[self.task], stage.tasks)
         chosen = np.flatnonzero(known & (self.difficulty <= stage.difficulty + 1e-9))
         if not len(chosen):
@@ -89,7 +92,10 @@ def warp(motion: ReferenceMotion, rate: float, frames: int) -> ReferenceMotion:
 
 
 def heading_feet(joint_pos: Array, base_quat: Array, yaw: Array) -> Array:
-    """(…, 4, 3) m foot centres relative to the trunk origin, in the frame turned by yaw (…)."""
+    """(…, 4, 3) m foot centres relative to the trunk origin, in the frame turned by yaw (…) rad.
+
+    joint_pos (…, 12) rad, base_quat (…, 4) in the world.
+    """
     rel = kinematics.to_world(np.zeros(3), base_quat, kinematics.foot_pos_b(joint_pos))
     c, s = np.cos(yaw)[..., None], np.sin(yaw)[..., None]
     x, y = rel[..., 0], rel[..., 1]
@@ -102,7 +108,10 @@ def assemble(
     motions: Sequence[ReferenceMotion],
     difficulty: Sequence[float],
 ) -> MotionBank:
-    """Stack equally long motions and derive everything that training reads per frame."""
+    """Stack equally long motions and derive everything that training reads per frame.
+
+    difficulty: of each motion, in [0, 1].
+    """
     level = np.array(level_quat(state))
     joint_pos = np.stack([m.joint_pos for m in motions])
     base_pos = np.stack([m.base_pos for m in motions])

@@ -39,7 +39,7 @@ def kept(folder: Path | None, name: str, key: Any, draw: Callable[[], MotionBank
 
 
 def save_arrays(file: Path, arrays: dict[str, NDArray[Any]]) -> None:
-    """An .npz, whole or not at all, whoever else is writing it."""
+    """An .npz of arrays of any shape, whole or not at all, whoever else is writing it."""
     with whole(file, parents=True) as scratch, scratch.open("wb") as out:
         np.savez(out, **arrays)  # pyright: ignore[reportArgumentType]
 

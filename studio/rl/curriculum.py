@@ -23,6 +23,7 @@ def stages(tasks: Sequence[str], randomisation: Sequence[float] = (0.34, 0.67, 1
     """The whole ladder: tasks join one by one at a narrow range, ranges widen, dynamics spread.
 
     The paper sorts by task first and difficulty second; its randomisation grows likewise.
+    randomisation: shares of Table I's ranges.
     """
     ladder = [
         Stage(tasks=tuple(tasks[: k + 1]), difficulty=DIFFICULTIES[0], randomisation=0.0)

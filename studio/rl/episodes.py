@@ -62,7 +62,10 @@ def evaluation_env(
     threads: int = 0,
     settings: EnvConfig | None = None,
 ) -> ImitationEnv:
-    """`num` episodes of the bank's motions from their first frame, dynamics from Table I."""
+    """`num` episodes of the bank's motions from their first frame, dynamics from Table I.
+
+    randomisation, noise: shares of the ranges and spreads of training.
+    """
     stage = Stage(
         tasks=bank.tasks, difficulty=float(bank.difficulty.max()), randomisation=randomisation
     )

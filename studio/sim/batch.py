@@ -39,7 +39,7 @@ class BatchConfig:
 
 
 def delayed_controls(previous: Array, target: Array, delay: Array, dt: float, steps: int) -> Array:
-    """(N, steps, 12): what the motors are told at each substep when a target comes `delay` s late.
+    """(N, steps, 12) rad: the motors' targets at each substep when one comes `delay` (N,) s late.
 
     Before the delay has passed the previous target acts; the substep in which it passes gets the
     mean of both, weighted by time, which is what the motor's zero-order hold integrates.
@@ -118,7 +118,7 @@ class BatchWorld:
         return geometry.quat_mul(self.slope_quat, self.base_quat)
 
     def set_dynamics(self, ids: NDArray[np.intp], drawn: randomize.Dynamics) -> None:
-        """Give simulations `ids` their own dynamics, absolute (not on top of earlier ones)."""
+        """Give simulations `ids` (n,) their own dynamics, absolute (not on top of earlier ones)."""
         assert len(ids) == len(drawn)
         model = self.model
         factor = np.ones((len(ids), model.nbody))
@@ -146,14 +146,14 @@ class BatchWorld:
     def reset(
         self, ids: NDArray[np.intp], qpos: Array, qvel: Array, target: Array | None = None
     ) -> None:
-        """Put simulations `ids` at qpos (n, 19), qvel (n, 18), holding `target` (n, 12)."""
+        """Put simulations `ids` (n,) at qpos (n, 19), qvel (n, 18), holding `target` (n, 12)."""
         self.qpos[ids] = qpos
         self.qvel[ids] = qvel
         self._warmstart[ids] = 0.0
         self.target[ids] = qpos[:, 7:19] if target is None else target
 
     def push(self, ids: NDArray[np.intp], delta_lin_vel_w: Array) -> None:
-        """Kick the trunks of `ids` by (n, 3) m/s."""
+        """Kick the trunks of simulations `ids` (n,) by (n, 3) m/s."""
         self.qvel[ids, :3] += delta_lin_vel_w
 
     def step(self, target: Array) -> None:

@@ -57,7 +57,7 @@ class Dynamics:
 def draw(
     rng: np.random.Generator, num: int, num_links: int, scale: float = 1.0, ranges: Ranges = TABLE_I
 ) -> Dynamics:
-    """Uniform draws of Table I, its ranges shrunk by `scale` about the nominal values."""
+    """`num` uniform draws of Table I, its ranges `scale` times as wide about the nominal values."""
 
     def around(low_high: tuple[float, float], nominal: float, *shape: int) -> Array:
         low, high = (nominal + scale * (bound - nominal) for bound in low_high)
@@ -88,7 +88,7 @@ def steepened(
 
 
 def gravity(slope_axis: Array, g: float = 9.81) -> Array:
-    """(N, 3) gravity in the frame of the ground for slopes given as rotation vectors (N, 2).
+    """(N, 3) m/s^2, gravity in the frame of the ground, for slopes as rotation vectors (N, 2) rad.
 
     A plane tilted by R is the same world as a level plane under gravity R^T g.
     """

@@ -49,7 +49,10 @@ class ModelConfig:
 
 
 def a1_folder() -> Path:
-    """The folder of Unitree's A1 description, wherever `example-robot-data` was installed."""
+    """The folder of Unitree's A1 description, wherever `example-robot-data` was installed.
+
+    Raises StudioError where it was not.
+    """
     inside = Path("share", "example-robot-data", "robots", "a1_description")
     roots = [Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix"]
     found = find_spec("cmeel")

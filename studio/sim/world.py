@@ -108,7 +108,8 @@ class World:
         """The robot at rest in `pose` (neutral stand if None), lowest point on the floor, at t = 0.
 
         x, y, orientation and joints are the pose's; joints are clipped to their limits. Props
-        return to their places. The damping mode is left.
+        return to their places. The damping mode is left. Raises StudioError for a pose that is not
+        finite or whose quaternion has no length.
         """
         pose = _HOME if pose is None else pose
         values = np.concatenate([pose.base_pos, pose.base_quat, pose.joint_pos])
@@ -184,7 +185,7 @@ class World:
         return np.maximum(target, q + (lower + rest) / kp)
 
     def push(self, delta_lin_vel_w: ArrayLike) -> None:
-        """Add (3,) m/s to the base's velocity, world frame: a kick."""
+        """Add (3,) m/s to the base's velocity, world frame: a kick. StudioError if not finite."""
         delta = np.asarray(delta_lin_vel_w, dtype=np.float64)
         if delta.shape != (3,) or not np.isfinite(delta).all():
             raise StudioError("a push is three finite numbers: the change of velocity in m/s")
@@ -230,7 +231,7 @@ class World:
 
 
 def lowest_point(base_pos: ArrayLike, base_quat: ArrayLike, joint_pos: ArrayLike) -> float:
-    """Height m, world, of the lowest point of the robot's capsules."""
+    """Height m, world, of the robot's lowest point; base (3,), (4,), joints (12,)."""
     start, end, radius = kinematics.link_capsules(joint_pos)
     ends = kinematics.to_world(base_pos, base_quat, np.concatenate([start, end]))
     return float(np.min(ends[:, 2] - np.tile(radius, 2)))

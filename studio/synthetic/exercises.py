@@ -86,7 +86,8 @@ def squats(rng: np.random.Generator, seconds: float) -> Array:
 
 
 def labels(true_pos_w: Array, signal: Array) -> NDArray[np.str_]:
-    """(T,) "stand", "walk", "sit" or "" (on the way), of true joints (T, 19, 3) and a signal.
+    """(T,) "stand", "walk", "sit" or "" (on the way), of true joints (T, 19, 3) m and a signal
+    (T, NUM).
 
     As a careful person labels a clip: walk while somebody marches, otherwise by both knees.
     """

@@ -120,7 +120,7 @@ class Person:
     style: str = "march"
 
     def follow_kernel(self) -> Array:
-        """The reaction as a FIR kernel at 30 Hz: a pure delay, then the follow-up movement."""
+        """The reaction as a FIR kernel (K,) at 30 Hz: a pure delay, then the follow-up movement."""
         h = self.habits
         wait = np.zeros(round(self.reaction_delay / DT))
         return np.concatenate([wait, bell(h.follow_s, DT, h.profile)])

@@ -40,7 +40,10 @@ class Sensor:
 
     @staticmethod
     def sample(rng: np.random.Generator, kind: str) -> "Sensor":
-        """Webcam: depth 8-31 mm, others 4-25 mm, skeleton 5-11 % small (docs/findings.md)."""
+        """Webcam: depth 8-31 mm, others 4-25 mm, skeleton 5-11 % small (docs/findings.md).
+
+        Raises StudioError for an unknown kind.
+        """
 
         def mm(low: float, high: float) -> float:
             return float(rng.uniform(low, high)) * 1e-3

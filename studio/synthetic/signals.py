@@ -56,6 +56,6 @@ def of_track(track: IntentTrack) -> Array:
 
 
 def smoothstep(x: Array) -> Array:
-    """3x^2 - 2x^3 on [0, 1], flat outside."""
+    """3x^2 - 2x^3 of x (...) on [0, 1], flat outside."""
     x = np.clip(x, 0.0, 1.0)
     return x * x * (3.0 - 2.0 * x)

@@ -16,7 +16,10 @@ def _place(root: Path, folder: Path) -> Path:
 
 
 def keep_copy(root: Path, folder: Path) -> Path:
-    """A copy of a take in the bin, before it is changed; where it lies."""
+    """A copy of a take in the bin, before it is changed; where it lies.
+
+    Raises StudioError if it cannot be written; then nothing is left of it.
+    """
     target = _place(root, folder)
     try:
         return Path(shutil.copytree(folder, target, ignore=shutil.ignore_patterns("*.tmp")))
@@ -26,7 +29,7 @@ def keep_copy(root: Path, folder: Path) -> Path:
 
 
 def throw(root: Path, folder: Path) -> Path:
-    """Move a take's folder into the bin; where it lies now."""
+    """Move a take's folder into the bin; where it lies now. StudioError if it cannot be moved."""
     target = _place(root, folder)
     try:
         target.parent.mkdir(exist_ok=True)
@@ -48,7 +51,10 @@ def names(root: Path) -> list[str]:
 
 
 def bring_back(root: Path, name: str) -> None:
-    """Bring the take of this name that was deleted last back from the bin."""
+    """Bring the take of this name that was deleted last back from the bin.
+
+    Raises StudioError if the bin has none, or another take has the name by now.
+    """
     target = take_folder(root, name)
     found = sorted((root / BIN).glob(f"{name}.*"))
     if not found:

@@ -163,7 +163,8 @@ def export_take(
     `export NAME --format F`, or of many takes `--session NAME` or `--all` in NAME's place.
     Into the working folder by default. Into the same file (lerobot, hdf5) go: more: further takes;
     session: every take of a session; all: every take there is. Of a session and of all, takes that
-    were rejected or hold nothing to export are left out, and named with why.
+    were rejected or hold nothing to export are left out, and named with why. Raises StudioError
+    unless one of the three is given, and as `export` does.
     """
     library = SessionLibrary(sessions)
     if sum((name is not None, session is not None, all)) != 1:

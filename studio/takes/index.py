@@ -66,6 +66,7 @@ def folders(root: Path, known: Known | None = None) -> dict[str, Key]:
     come and go, edits touch it).
 
     known: takes as they were: while its time is the same, a folder need not be looked into.
+    Raises StudioError for a folder that cannot be listed; one that is not there holds none.
     """
     known, out = known or {}, {}
     try:

@@ -123,7 +123,10 @@ class SessionLibrary:
         return self.edit(name, trim=(start, at), splits=splits), self.info(other)
 
     def delete(self, name: str) -> Path:
-        """Move a take into the bin (`.bin` in the folder); where it lies now."""
+        """Move a take into the bin (`.bin` in the folder); where it lies now.
+
+        Raises StudioError while it is being recorded.
+        """
         folder = self.folder(name)
         if is_recording(folder):
             raise StudioError(f"take {name} is being recorded: stop it first")

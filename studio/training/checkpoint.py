@@ -18,14 +18,17 @@ from studio.files import whole
 
 
 def save(path: Path, tensors: dict[str, torch.Tensor], facts: dict[str, Any]) -> None:
-    """Write tensors by name and JSON-able facts to `path`."""
+    """Write tensors of any shape by name and JSON-able facts to `path`. Raises OSError."""
     kept = {k: v.detach().cpu().contiguous().clone() for k, v in tensors.items()}
     with whole(path, parents=True) as scratch:
         save_file(kept, scratch, metadata={"facts": json.dumps(facts)})
 
 
 def load(path: Path) -> tuple[dict[str, torch.Tensor], dict[str, Any]]:
-    """Tensors and facts of `path`. StudioError if it is missing or damaged."""
+    """Tensors, in the shapes they were saved in, and facts of `path`.
+
+    Raises StudioError if it is missing or damaged.
+    """
     try:
         with safe_open(path, framework="pt") as file:
             facts = json.loads((file.metadata() or {})["facts"])
@@ -39,7 +42,7 @@ def load(path: Path) -> tuple[dict[str, torch.Tensor], dict[str, Any]]:
 
 
 def flatten_optimizer(optimizer: torch.optim.Optimizer) -> dict[str, torch.Tensor]:
-    """Adam's state by parameter number: optimizer.N.exp_avg and so on."""
+    """Adam's state by parameter number, each in its shape: optimizer.N.exp_avg and so on."""
     state = optimizer.state_dict()["state"]
     return {
         f"optimizer.{n}.{key}": torch.as_tensor(value)
@@ -49,7 +52,7 @@ def flatten_optimizer(optimizer: torch.optim.Optimizer) -> dict[str, torch.Tenso
 
 
 def restore_optimizer(optimizer: torch.optim.Optimizer, tensors: dict[str, torch.Tensor]) -> None:
-    """The reverse of flatten_optimizer; learning rates are left as they are."""
+    """The reverse of flatten_optimizer, shape by shape; learning rates are left as they are."""
     state: dict[int, dict[str, torch.Tensor]] = {}
     for name, value in tensors.items():
         if name.startswith("optimizer."):

@@ -241,7 +241,10 @@ def split_pairs(parts: Mapping[str, PairSet]) -> Split:
 def write_mapper(
     out: Path, style: str, tensors: Mapping[str, Mapping[str, Any]], about: Mapping[str, Any]
 ) -> None:
-    """The folder of a mapper, whole or not at all: own experts, shipped ones for the rest."""
+    """The folder of a mapper, whole or not at all: own experts, shipped ones for the rest.
+
+    Raises StudioError if a mapper has this name, or it cannot be written.
+    """
     source = style_dir(style)
     try:
         with whole(out, parents=True) as scratch:

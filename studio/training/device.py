@@ -28,7 +28,7 @@ def check_device(name: str) -> None:
 
 
 def random_states(device: str) -> dict[str, torch.Tensor]:
-    """torch's RNG states by name: of the processor, and of the device that draws actions."""
+    """torch's RNG states, bytes (B,), by name: of the processor, and of the device that acts."""
     states = {"torch_random_state": torch.get_rng_state()}
     if device != "cpu":
         with torch.accelerator.device_index(torch.device(device).index):

@@ -53,7 +53,9 @@ class Motion:
 
 
 def leg_motion(q: Tensor, dq: Tensor, ddq: Tensor) -> tuple[Tensor, Tensor, Tensor]:
-    """Foot position, velocity, acceleration (N, 4, 3) in the base frame of joints (N, 12).
+    """Foot position, velocity, acceleration (N, 4, 3) in the base frame.
+
+    Of the angles q (N, 12) rad and their first and second derivatives dq, ddq (N, 12) a second.
 
     The leg is a planar two-link chain (thigh, calf) in a plane turned by the hip about x:
     u = (-l1 sin a - l2 sin b, side d, -l1 cos a - l2 cos b), a = thigh, b = thigh + calf; the

@@ -124,7 +124,10 @@ def fit_expert(
 
 
 def score(mapper: FrameMapper, pairs: PairSet) -> dict[str, float]:
-    """What the bare networks are worth on pairs: before any consistency, so memoryless."""
+    """What the bare networks are worth on pairs: before any consistency, so memoryless.
+
+    joint_rmse_deg, orientation_error_deg (degrees) and contact_f1 of `metrics`.
+    """
     out = mapper(pairs.triplet)
     return {
         "joint_rmse_deg": metrics.joint_rmse_deg(out.joint_pos, pairs.joint_pos),

@@ -156,7 +156,10 @@ class PolicyTrainer:
         checkpoint.save(path, tensors, facts)
 
     def restore(self, path: Path) -> None:
-        """Back to a checkpoint; the environments are drawn again under its curriculum."""
+        """Back to a checkpoint; the environments are drawn again under its curriculum.
+
+        Raises StudioError if it is damaged, of another state, or made with other settings.
+        """
         tensors, facts = checkpoint.load(path)
         if facts["config"]["state"] != self.config.state:
             raise StudioError(
@@ -187,7 +190,7 @@ class PolicyTrainer:
         self.obs = self.env.present()
 
     def tensors(self) -> dict[str, np.ndarray]:
-        """Normaliser and layers as Policy reads them."""
+        """Normaliser and layers as Policy reads them; shapes: see `save_policy`."""
         actor = self.alg.actor
         linear = [m for m in actor.mlp.modules() if isinstance(m, torch.nn.Linear)]
         normaliser = cast(Any, actor.obs_normalizer)

@@ -72,12 +72,12 @@ class TorchEnv:
         }
 
     def tensors(self, actor: np.ndarray, privileged: np.ndarray) -> TensorDict:
-        """Groups "actor" and "privileged"; the critic sees both."""
+        """Groups "actor" (N, dim) and "privileged" (N, PRIVILEGED_DIM); the critic sees both."""
         groups = {"actor": self.tensor(actor), "privileged": self.tensor(privileged)}
         return TensorDict(groups, batch_size=[len(actor)])
 
     def tensor(self, array: np.ndarray) -> torch.Tensor:
-        """An array on the learner's device."""
+        """The same array, in its shape, on the learner's device."""
         return torch.from_numpy(array).to(self.device)
 
     def present(self) -> TensorDict:
@@ -87,7 +87,10 @@ class TorchEnv:
     def mirrored(
         self, env: Any, obs: TensorDict | None, actions: torch.Tensor | None
     ) -> tuple[TensorDict | None, torch.Tensor | None]:
-        """rsl-rl's augmentation: the batch, then the same batch seen in a mirror."""
+        """rsl-rl's augmentation: the batch, then the same batch seen in a mirror.
+
+        Groups (B, dim) become (2B, dim), actions (B, 12) become (2B, 12).
+        """
         both = None
         if obs is not None:
             groups = {}
@@ -101,7 +104,7 @@ class TorchEnv:
 def mirror_tensors(
     index_sign: tuple[np.ndarray, np.ndarray], device: str
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """Index and sign of a mirror (`imitation.symmetry`) on the learner's device."""
+    """Index and sign (dim,) of a mirror (`control.symmetry`) on the learner's device."""
     index, sign = index_sign
     on = torch.device(device)
     return torch.as_tensor(index, device=on), torch.as_tensor(sign, dtype=torch.float32, device=on)
@@ -186,7 +189,7 @@ class Figures:
         truncated: np.ndarray,
         extras: dict[str, Any],
     ) -> None:
-        """One step's arrays."""
+        """One step's rewards and ends, each (N,), and what the environment says beside them."""
         now = {"reward": rewards.mean(), "fall_rate": terminated.mean() * 30.0}
         now |= {f"term/{k}": v.mean() for k, v in env.terms.items()}
         now |= {f"metric/{k}": v.mean() for k, v in env.metrics.items()}

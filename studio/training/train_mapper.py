@@ -31,7 +31,10 @@ log = logging.getLogger(__name__)
 
 
 def run_train_mapper(config: MapperTraining) -> dict[str, Any]:
-    """Train what `config` names and write it; returns the summary."""
+    """Train what `config` names and write it; returns the summary.
+
+    Raises StudioError for an unknown style, and where there is nothing to train.
+    """
     if config.style not in STYLES:
         raise unknown_name("style", config.style, STYLES)
     out = config.out or style_dir(config.style)

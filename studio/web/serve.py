@@ -51,7 +51,10 @@ SCRATCH = "a1-studio-"
 
 
 def bind(host: str, port: int) -> socket.socket:
-    """A listening socket, so that a taken port is known before anything starts."""
+    """A listening socket, so that a taken port is known before anything starts.
+
+    Raises StudioError for a port or an address that cannot be had.
+    """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     # The protocol by name: only then does asyncio send at once (TCP_NODELAY), or every answer
     # waits 40 ms for the client's delayed acknowledgement.

@@ -78,7 +78,7 @@ class CollectAction(Command, extra="forbid"):
     action: Annotated[str, OneOf("action", ACTIONS)]
 
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
-        """Tell the plan's state machine."""
+        """Tell the plan's state machine. StudioError in another mode, or where it cannot act."""
         if runtime.mode != "collect":
             raise StudioError("nothing is collected: choose mode collect first")
         return runtime.collector.act(self.action)

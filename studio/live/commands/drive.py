@@ -203,7 +203,7 @@ class MapperBack(Command):
     tag: ClassVar[str] = "train"
 
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
-        """Swap them in."""
+        """Swap them in. StudioError if none was swapped in yet."""
         if runtime.mappers.before is None:
             raise StudioError("there is no mapper to go back to: none was swapped in yet")
         return runtime.map_by(runtime.mappers.before)

@@ -39,7 +39,7 @@ class StopTake(Command):
     tag: ClassVar[str] = "takes"
 
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
-        """End it, unless it belongs to a plan."""
+        """End it. StudioError if it belongs to a plan, or if nothing is recorded."""
         if runtime.mode == "collect":
             raise StudioError("the take belongs to the plan: abort it, or let it end")
         stopped = runtime.recorder.stop()

@@ -53,7 +53,7 @@ def human_channels(joint_pos_w: Array) -> Array:
 
 
 def robot_channels(base_pos: Array, base_quat: Array, joint_pos: Array, contact: Array) -> Array:
-    """(T, 3), (T, 4), (T, 12), (T, 4) to (T, 7): CHANNELS of the robot.
+    """Poses (T, 3) m, (T, 4), (T, 12) rad in the world and contacts (T, 4) to (T, 7): CHANNELS.
 
     A step is the diagonal that stands less the one that is in the air: the person's left foot
     goes with the front left and rear right.
@@ -70,12 +70,13 @@ def robot_channels(base_pos: Array, base_quat: Array, joint_pos: Array, contact:
 
 
 def scaled_human(channels: Array) -> Array:
-    """(T, 7) human channels about their median, in movements: for curves beside the robot's."""
+    """(T, 7) human channels about their median, each in units of a movement anyone would call one:
+    for curves beside the robot's."""
     return (channels - np.median(channels, axis=0)) / _HUMAN_SCALE
 
 
 def scaled_robot(channels: Array) -> Array:
-    """(T, 7) robot channels about their median, in movements."""
+    """(T, 7) robot channels about their median, in units as those of `scaled_human`."""
     return (channels - np.median(channels, axis=0)) / _ROBOT_SCALE
 
 

@@ -125,7 +125,7 @@ def _curve(folder: Path) -> lag.Curve | None:
 
 
 def liveliest(table: Columns, keep: NDArray[np.bool_]) -> tuple[int, int]:
-    """First row and one past the last of at most ALIGN_S within what is kept, where most moves."""
+    """First row and one past the last of at most ALIGN_S s within `keep` (T,), where most moves."""
     rows = np.flatnonzero(keep)
     if not len(rows):
         return 0, 0

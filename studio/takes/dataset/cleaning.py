@@ -40,7 +40,8 @@ class Suggestion:
 
 
 def suggestions(t: Array, joint_pos_w: Array, confidence: Array) -> list[Suggestion]:
-    """Everything found in a human stream, in order of time."""
+    """Everything found in a human stream, in order of time: t (T,) s, joints (T, 19, 3) m and
+    confidence (T, 19), as for every finding here."""
     if len(t) < 3:
         return []
     found = [

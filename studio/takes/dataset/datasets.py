@@ -60,7 +60,7 @@ class DataSet:
         return len(self.arrays["tick"])
 
     def of(self, state: str) -> dict[str, NDArray[Any]]:
-        """The rows of one state."""
+        """The rows of one state: `arrays` cut to its n frames. StudioError for an unknown state."""
         if state not in STATES:
             raise unknown_name("state", state, STATES)
         rows = self.arrays["state"] == STATES.index(state)

@@ -55,5 +55,6 @@ def _merged(found: list[Suggestion]) -> list[Suggestion]:
 
 
 def touches(s: Suggestion, keep: NDArray[np.bool_]) -> bool:
+    """Whether any tick of the suggestion, from start to end s, is kept (T,)."""
     a, b = int(s.start * a1.CONTROL_HZ), int(np.ceil(s.end * a1.CONTROL_HZ)) + 1
     return bool(keep[a:b].any())

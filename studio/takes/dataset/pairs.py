@@ -165,7 +165,7 @@ def states_of(table: Columns, about: Mapping[str, Any]) -> NDArray[np.str_]:
 
 
 def stretches(state: NDArray[np.str_], usable: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """(start, end) of each run of at least LEAST usable frames of one known state."""
+    """(start, end) of each run of at least LEAST usable frames (T,) of one known state (T,)."""
     usable = usable & np.isin(state, STATES)
     if not len(state):
         return []

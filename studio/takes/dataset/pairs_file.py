@@ -23,7 +23,10 @@ def schema() -> pa.Schema:
 
 
 def table_of(found: Pairs, number: int, use: NDArray[np.bool_] | None = None) -> pa.Table:
-    """Rows of pairs.parquet of one take (`use`: which)."""
+    """Rows of pairs.parquet of one take; use (N,): which of its N pairs.
+
+    Columns, shapes and units of `pairs.SHAPES`.
+    """
     use = np.ones(len(found), dtype=bool) if use is None else use
     cols: list[pa.Array] = [
         pa.array(np.full(int(use.sum()), number, np.int32)),
@@ -37,7 +40,7 @@ def table_of(found: Pairs, number: int, use: NDArray[np.bool_] | None = None) ->
 
 
 def read_table(path: Path) -> dict[str, NDArray[Any]]:
-    """The arrays of a pairs.parquet."""
+    """The arrays (N, …) of a pairs.parquet: take, state, tick, and those of `pairs.SHAPES` (SI)."""
     table = pq.read_table(path).combine_chunks()
     out: dict[str, NDArray[Any]] = {name: table[name].to_numpy() for name in _NAMES}
     for name, shape in SHAPES.items():
@@ -49,7 +52,7 @@ def read_table(path: Path) -> dict[str, NDArray[Any]]:
 
 
 def content_hash(arrays: dict[str, NDArray[Any]]) -> str:
-    """A hash of the numbers, whatever the file's encoding."""
+    """A hash (64 hex digits) of the arrays of `read_table`, whatever the file's encoding."""
     digest = hashlib.sha256()
     for name in (*_NAMES, *SHAPES):
         digest.update(name.encode())
@@ -58,7 +61,10 @@ def content_hash(arrays: dict[str, NDArray[Any]]) -> str:
 
 
 def statistics(arrays: dict[str, NDArray[Any]]) -> dict[str, Any]:
-    """Per state: count, and mean, std, min and max of every column of every array."""
+    """Per state: count, and mean, std, min and max of every column of every array of `read_table`.
+
+    In the units of the arrays (N, …).
+    """
     out: dict[str, Any] = {}
     for i, state in enumerate(STATES):
         rows = arrays["state"] == i

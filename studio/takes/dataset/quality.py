@@ -94,7 +94,7 @@ def quality(
 
 
 def median_jerk(joint_pos: Array, dt: float) -> float:
-    """Median over time of the third difference / dt^3 of positions (T, J, 3) m, m/s^3."""
+    """m/s^3, median over time of the third derivative of positions (T, J, 3) m, in any frame."""
     if len(joint_pos) < 4:
         return 0.0
     jerk = np.linalg.norm(np.diff(joint_pos, n=3, axis=0), axis=-1) / dt**3

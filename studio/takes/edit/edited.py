@@ -49,7 +49,7 @@ def ends(table: Columns, edits: Edits) -> tuple[int, int]:
 
 
 def human_rows(ticks: NDArray[np.int64], edits: Edits) -> Array:
-    """Fractional row (…,) of the human that belongs to the robot at these ticks."""
+    """Fractional row (N,) of the human that belongs to the robot at these ticks (N,)."""
     shift = np.full(len(ticks), edits.lag or 0.0)
     if edits.warp:
         t, more = np.array(edits.warp).T

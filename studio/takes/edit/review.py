@@ -101,7 +101,10 @@ def review(library: SessionLibrary, name: str) -> Review:
 
 
 def accept_suggestions(library: SessionLibrary, name: str, which: list[int] | None = None) -> Edits:
-    """Cut out suggestions of the present review, by index (all of them without)."""
+    """Cut out suggestions of the present review, by index (all of them without).
+
+    Raises StudioError for an index that it does not have, and if there is nothing to cut.
+    """
     found = review(library, name)
     chosen = found.suggestions if which is None else []
     for i in which or ():

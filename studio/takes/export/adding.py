@@ -22,7 +22,8 @@ SCRATCH = ".import-"
 def add_take(root: Path, folder: Path, name: str | None = None, *, link: bool = False) -> str:
     """Copy a take's folder from elsewhere into the folder `root`; its name here.
 
-    link: share the tape with the original, which is never written to again.
+    link: share the tape with the original, which is never written to again. Raises StudioError
+    for what is no take, for a name that is taken, and if it cannot be written.
     """
     source = Path(folder)
     if not link:
@@ -88,7 +89,7 @@ def add_all(root: Path, folders: Iterable[Path]) -> tuple[list[str], dict[str, s
 
 
 def add_zip(root: Path, file: Path) -> tuple[list[str], dict[str, str]]:
-    """The takes in a zip, as `add_all`."""
+    """The takes in a zip, as `add_all`. StudioError for what is no zip of takes."""
     try:
         root.mkdir(parents=True, exist_ok=True)
         with scratch_folder(SCRATCH, root) as scratch:

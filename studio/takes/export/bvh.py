@@ -125,7 +125,10 @@ assert INDEX["pelvis"] == 0, "the root of the hierarchy is the first joint"
 
 
 def write_human_bvh(take: Take, path: Path) -> None:
-    """The human as a BVH at 30 Hz, a frame a tick: a pause lasts as long as it did."""
+    """The human as a BVH at 30 Hz, a frame a tick: a pause lasts as long as it did.
+
+    Raises StudioError for a take without a human.
+    """
     joints = steady_human(take)
     if not len(joints):
         raise StudioError(nobody(take))

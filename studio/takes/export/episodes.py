@@ -95,7 +95,10 @@ def _goes_on(take: Take) -> NDArray[np.bool_]:
 
 
 def twist(robot: dict[str, Array]) -> Array:
-    """(N, 6) the base's velocity m/s and rate rad/s, both in its own frame."""
+    """(N, 6) the base's velocity m/s and rate rad/s, both in its own frame.
+
+    robot: its base_quat (N, 4), base_lin_vel_w and base_ang_vel_b (N, 3).
+    """
     linear = geometry.quat_rotate_inverse(robot["base_quat"], robot["base_lin_vel_w"])
     return np.concatenate([linear, robot["base_ang_vel_b"]], axis=1)
 

@@ -80,7 +80,10 @@ def export(take: Take | Sequence[Take], format_name: str, path: Path) -> Path:
 def export_all(
     names: Sequence[str], takes: Iterable[Take], format_name: str, path: Path, name: str = ""
 ) -> Path:
-    """The same of takes that are read one after the other; name: of the file, in a folder."""
+    """As `export`, of takes that are read one after the other; name: of the file, in a folder.
+
+    Raises StudioError as `export` does, and for several takes where the format holds one.
+    """
     if format_name not in FORMATS:
         raise unknown_name("format", format_name, FORMATS)
     chosen = FORMATS[format_name]

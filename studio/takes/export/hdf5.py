@@ -101,7 +101,7 @@ def _write_demo(demo: h5py.Group, take: Take, part: Episode) -> None:
 
 
 def normalised(joint_pos: Array) -> Array:
-    """(…, 12) rad to [-1, 1] between each joint's limits; targets are within them."""
+    """Joint angles (…, 12) rad to (…, 12) in [-1, 1] between their limits; targets are within."""
     span = a1.JOINT_UPPER - a1.JOINT_LOWER
     return np.clip(2.0 * (joint_pos - a1.JOINT_LOWER) / span - 1.0, -1.0, 1.0)
 

@@ -26,7 +26,10 @@ _UNIT = 1e-3
 
 
 def write_html(take: Take, path: Path) -> None:
-    """Person, shown motion and simulated robot, side by side: play, scrub, speed, turn the view."""
+    """Person, shown motion and simulated robot, side by side: play, scrub, speed, turn the view.
+
+    Raises StudioError when the edits leave nothing of the take.
+    """
     part = extent(take)
     if not len(part.tick):
         raise StudioError(nothing_left(take))
@@ -66,7 +69,10 @@ def _figure(title: str, points: Array, lines: list[list[int]]) -> dict[str, obje
 
 
 def robot_points(base_pos: Array, base_quat: Array, joint_pos: Array) -> Array:
-    """(N, 17, 3): trunk, then hip, thigh and calf frame of FR FL RR RL, then the four feet."""
+    """Points (N, 17, 3) m in the world: trunk, hip, thigh and calf frame of FR FL RR RL, four feet.
+
+    base (N, 3), (N, 4) in the world, joints (N, 12) rad.
+    """
     links, _ = link_frames_w(base_pos, base_quat, joint_pos)
     return np.concatenate([links, kinematics.foot_pos_w(base_pos, base_quat, joint_pos)], axis=-2)
 

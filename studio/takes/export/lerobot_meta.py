@@ -28,7 +28,7 @@ def schema(names: Names) -> pa.Schema:
 
 
 def data_table(arrays: Mapping[str, Array], names: Names) -> pa.Table:
-    """An episode's frames."""
+    """An episode's frames: arrays (T, …) by key, those of `names` as fixed-size lists."""
     columns: list[pa.Array] = []
     for key, of in names.items():
         flat = pa.array(np.ascontiguousarray(arrays[key]).ravel())
@@ -51,7 +51,10 @@ def read_columns(path: Path, key: str) -> Array:
 def episode_row(
     number: int, task: str, file: int, first: int, arrays: Mapping[str, Array]
 ) -> dict[str, Any]:
-    """A row of the table of episodes."""
+    """A row of the table of episodes; arrays (T, …) of the episode, in the data set's units.
+
+    first: row of the data set at which it begins; file: the number of its data file.
+    """
     length = len(arrays["index"])
     row: dict[str, Any] = {
         "episode_index": number,

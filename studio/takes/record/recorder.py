@@ -113,7 +113,11 @@ class Recorder:
         return folder.name
 
     def append(self, tick: Tick) -> None:
-        """Write one control period; flushed to the operating system when this returns."""
+        """Write one control period; flushed to the operating system when this returns.
+
+        Raises StudioError when nothing is recorded, and when it cannot be written: then the take
+        is ended, with the ticks before this one.
+        """
         if self._writer is None or self._file is None:
             raise StudioError("no take is being recorded: start one first")
         n = self._count
@@ -134,7 +138,10 @@ class Recorder:
         self._states[tick.state] = self._states.get(tick.state, 0) + 1
 
     def stop(self) -> dict[str, Any]:
-        """End the take: {"name", "ticks"}. Indexing and compressing go on in the background."""
+        """End the take: {"name", "ticks"}. Indexing and compressing go on in the background.
+
+        Raises StudioError when nothing is recorded.
+        """
         if self._writer is None or self._file is None:
             raise StudioError("no take is being recorded: start one first")
         writer, file, meta = self._writer, self._file, self._meta
