@@ -20,12 +20,13 @@ from scipy.stats import chi2
 
 from studio.control.policy import MODELS
 from studio.errors import StudioError
-from studio.evaluation.minutes import BRISK, LIE_S, WINDOW, Case, Run, endure
+from studio.evaluation.minutes import LIE_S, WINDOW, Case, Run, endure
 from studio.evaluation.options import TableOptions
 from studio.evaluation.tracking import CACHE
 from studio.files import fingerprint, write_whole
 from studio.options import ControllerName
 from studio.robot.a1 import CONTROL_DT
+from studio.synthetic.impaired import BRISK
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
@@ -52,7 +53,7 @@ CASES: tuple[Case, ...] = (
 )
 _FLOW = (
     "control", "human", "mocap", "reference", "retarget", "rl/noise", "robot", "sim", "synthetic",
-    "geometry", "metrics", "puppeteer", "evaluation/minutes", "evaluation/impaired",
+    "geometry", "metrics", "puppeteer", "evaluation/minutes", "evaluation/sensed",
 )  # fmt: skip
 """What a run depends on, beside the models."""
 

@@ -13,17 +13,15 @@ from studio.control.drive_command import PuppeteerConfig
 from studio.control.policy import Policy
 from studio.control.staleness import stale_command
 from studio.control.trackers import PolicyTracker, Tracker, open_controller
-from studio.evaluation.impaired import IMPAIRMENTS, Impaired, Sensed
-from studio.evaluation.styles import walking
+from studio.evaluation.sensed import Sensed
 from studio.human.calibration import calibrate
 from studio.options import ControllerName
 from studio.puppeteer import Puppeteer
-from studio.reference import gait
 from studio.reference.intent import STATES, StateName
 from studio.rl.noise import NoiseConfig
 from studio.robot.a1 import CONTROL_DT
 from studio.sim import randomize
-from studio.synthetic.operator import InteractiveOperator, OperatorSource
+from studio.synthetic.impaired import sent_by
 
 Array = NDArray[np.float64]
 DynamicsName = Literal["nominal", "table_i"]
@@ -33,9 +31,6 @@ WINDOW = 60
 """Control periods (2 s) over which the speed asked for and the way made are compared."""
 MOVING = 0.05
 """m/s asked for from which a window counts as walking."""
-BRISK = "brisk"
-"""The source of somebody who walks straight on, at one speed drawn from the upper 40 % of what
-there is."""
 
 HOLDS: dict[str, dict[str, float]] = {
     "shipped": {},
@@ -73,7 +68,7 @@ class Run:
 
 def endure(case: Case, seed: int) -> Run:
     """One person, drawn from `seed`, drives for `case.seconds`."""
-    source = _source(case, seed)
+    source = sent_by(case.sensor, case.source, seed)
     puppeteer = Puppeteer(
         PuppeteerConfig(controller=case.controller, seed=seed),
         calibrate(source.calibration_poses()),
@@ -104,18 +99,6 @@ def endure(case: Case, seed: int) -> Run:
         rows.append((tick.state == "walk" and not tick.fallen, speed, tick.robot.base_pos[:2]))
     asked, made = _windows(rows)
     return Run(seconds=case.seconds, falls=tuple(falls), asked=asked, made=made)
-
-
-def _source(case: Case, seed: int) -> Impaired:
-    impairment = IMPAIRMENTS[case.sensor]
-    if case.source == BRISK:
-        operator = InteractiveOperator(seed=seed, sensor=impairment.sensor)
-        speed = np.random.default_rng([seed, 5]).uniform(0.6, 1.0) * gait.MAX_SPEED
-        operator.set_intent(walking(float(speed), 0.0))
-    else:
-        task = case.source.partition(":")[2] or None
-        operator = OperatorSource(task, seed=seed, sensor=impairment.sensor)
-    return Impaired(operator, impairment, seed)
 
 
 def _tracker(case: Case, seed: int) -> Tracker:

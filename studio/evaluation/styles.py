@@ -22,6 +22,7 @@ from studio.reference import gait
 from studio.reference.intent import Intent
 from studio.retarget.store import STYLES
 from studio.robot.a1 import CONTROL_DT
+from studio.synthetic.impaired import walking
 from studio.synthetic.operator import InteractiveOperator
 from studio.takes.tick import Tick
 from studio.training.machine import commit
@@ -175,18 +176,6 @@ def driven(
         tick = puppeteer.step(operator.read(k * CONTROL_DT))
         seen.append(tick)
         yield tick, intent
-
-
-def walking(speed: float, turn: float) -> Intent:
-    """What somebody means who wants this speed (m/s) and turn (rad/s): the slowest pace that has
-    it within its steps."""
-    for cadence in (1.5, 1.7, 1.9, 2.1, 2.3):
-        if gait.march_speed(cadence, 0.8, turn) >= speed:
-            break
-    lift = max(float(gait.march_lift(cadence, speed)), 0.2)
-    return Intent(
-        state="walk", task="styles", speed=speed, turn=turn, cadence=cadence, lift=min(lift, 1.0)
-    )
 
 
 def motion(ticks: list[Tick]) -> tuple[float, float]:

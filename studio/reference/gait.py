@@ -10,6 +10,8 @@ harmonics of the phase; the centre of mass follows by the linear inverted pendul
 the n-th harmonic by 1 + (2 pi n f)^2 h / g: wide and slow sway at 0.4 Hz, hardly any at 1.4 Hz.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -37,8 +39,12 @@ MIN_CLEARANCE, MAX_CLEARANCE = 0.03, 0.08
 """m: height of a swinging sole for lift 0 and 1."""
 MAX_SPEED = 0.97
 """m/s, the paper's fastest walk."""
-MAX_YAW_PER_STRIDE = 0.4
-"""rad: so 15 degrees a second need at least 0.65 strides a second."""
+MAX_YAW_PER_STRIDE, MAX_YAW_TROTTING = 0.4, 0.65
+"""rad: so 15 degrees a second need at least 0.65 strides a second, 60 (trotting) 1.6."""
+MAX_BACK, MAX_SIDE = 0.4, 0.3
+"""m/s: fastest walk backward and to a side."""
+MAX_SIDESTEP = 0.14
+"""m: longest way of the body sideways over a standing foot: farther, left and right feet meet."""
 WAY_GAIN, TURN_GAIN = 0.20, 0.15
 """m and rad per stride by which the way and the turn of a stride may grow from stride to stride: a
 foot is put down for the speed of the moment, and left behind when the body speeds up over it."""
@@ -126,8 +132,19 @@ def march_lift(cadence: ArrayLike, speed: ArrayLike) -> Array:
 
 
 def max_turn(cadence: ArrayLike) -> Array:
-    """Fastest turn (...) rad/s at a cadence (...) strides/s."""
+    """Fastest turn (...) rad/s at a cadence (...) strides/s, in any gait."""
     return MAX_YAW_PER_STRIDE * np.asarray(cadence, dtype=np.float64)
+
+
+def max_yaw_per_stride(tempo: ArrayLike) -> Array:
+    """Most (...) rad that a stride may turn by."""
+    return MAX_YAW_PER_STRIDE + (MAX_YAW_TROTTING - MAX_YAW_PER_STRIDE) * trot_share(tempo)
+
+
+def within_reach(forward: float, left: float, longest: float, widest: float) -> tuple[float, float]:
+    """A stride's way (m) in its own direction, no further than `longest` ahead, `widest` aside."""
+    size = math.hypot(forward / max(longest, 1e-9), left / max(widest, 1e-9))
+    return (forward, left) if size <= 1.0 else (forward / size, left / size)
 
 
 def _step_share(lift: ArrayLike) -> Array:

@@ -29,7 +29,7 @@ class Intent:
     reach: (2,) [0, 1], front right and front left paw: 0 on the floor (arm hanging), 0.5 paw
         forward at mid-height (arm straight forward), 1 as high as it goes (arm overhead).
     reach_side: (2,) [-1, 1], to the side: > 0 to the left (arm and paw alike).
-    speed: m/s forward. turn: rad/s, > 0 left.
+    speed, side: m/s forward (< 0 backward) and to the left. turn: rad/s, > 0 left.
     phase: strides since the start of walking (its fraction is the gait phase: 0 the front left and
         rear right feet lift (the person's left foot), 0.5 the front right and rear left feet).
     cadence: strides per second (d phase / dt). lift: [0, 1], foot clearance (thigh lift).
@@ -46,6 +46,7 @@ class Intent:
     phase: float = 0.0
     cadence: float = 0.0
     lift: float = 0.0
+    side: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,6 +65,7 @@ class IntentTrack:
     phase: Array  # (T,)
     cadence: Array  # (T,)
     lift: Array  # (T,)
+    side: Array  # (T,)
 
     def __len__(self) -> int:
         return len(self.tilt)
@@ -81,4 +83,5 @@ class IntentTrack:
             phase=float(self.phase[i]),
             cadence=float(self.cadence[i]),
             lift=float(self.lift[i]),
+            side=float(self.side[i]),
         )

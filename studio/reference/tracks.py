@@ -18,6 +18,7 @@ _SHAPES: dict[str, tuple[int, ...]] = {
     "phase": (),
     "cadence": (),
     "lift": (),
+    "side": (),
 }
 
 

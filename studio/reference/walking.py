@@ -32,7 +32,8 @@ class Walker:
         """Stand at (x, y) m with this heading, all feet down at their neutral places."""
         self._x, self._y, self._yaw = x, y, yaw
         self._phase: float | None = None
-        self._tempo = self._way = self._turn = 0.0
+        self._tempo = self._turn = 0.0
+        self._way = (0.0, 0.0)
         self._anchor = [_ahead(x, y, yaw, foot) for foot in _FEET]
         self._foot = [(*p, 0.0) for p in self._anchor]
         self._swinging = [False] * 4
@@ -44,16 +45,14 @@ class Walker:
         self._tempo = self._next_tempo(intent.phase, float(gait.tempo(cadence)), advance)
         duty = float(gait.duty(self._tempo))
         per_stride, turn = self._stride(intent, cadence, advance)
-        self._x, self._y, self._yaw = _arc(
-            self._x, self._y, self._yaw, per_stride * advance, turn * advance
-        )
-        aside = gait.STAGGER * min(per_stride * duty / gait.MAX_TRAVEL, 1.0)
+        self._x, self._y, self._yaw = _arc(self._x, self._y, self._yaw, per_stride, turn, advance)
+        aside = gait.STAGGER * min(abs(per_stride[0]) * duty / gait.MAX_TRAVEL, 1.0)
         clear = float(gait.clearance(intent.lift, cadence))
         for leg, offset in enumerate(gait.leg_offsets(self._tempo).tolist()):
             phase = (intent.phase - offset) % 1.0
             # The foot lands where it stands straight under the body half way through its stance.
             left = 1.0 - 0.5 * duty - phase
-            there = _arc(self._x, self._y, self._yaw, per_stride * left, turn * left)
+            there = _arc(self._x, self._y, self._yaw, per_stride, turn, left)
             x, y = _FEET[leg]
             landing = _ahead(*there, (x, y * (1.0 + math.copysign(aside, -x))))
             if phase < 1.0 - duty:
@@ -79,20 +78,26 @@ class Walker:
         most = max(advance, 0.03)
         return _towards(self._tempo, wanted, most)
 
-    def _stride(self, intent: Intent, cadence: float, advance: float) -> tuple[float, float]:
-        """Way (m) and turn (rad) of a stride, within what the legs can do and the last stride."""
+    def _stride(
+        self, intent: Intent, cadence: float, advance: float
+    ) -> tuple[tuple[float, float], float]:
+        """Way (m, forward and left) and turn (rad) of a stride, within what the legs can do and
+        the last stride."""
         rate = max(cadence, 0.05)
-        most = gait.MAX_YAW_PER_STRIDE
+        most = float(gait.max_yaw_per_stride(self._tempo))
         turn = min(max(intent.turn / rate, -most), most)
         crouch = min(max(intent.crouch, 0.0), 1.0)
-        longest = (
-            float(gait.max_travel(cadence))
-            * (1.0 - _CROUCH_SHORTER * crouch)
-            / float(gait.duty(self._tempo))
+        duty = float(gait.duty(self._tempo))
+        longest = float(gait.max_travel(cadence)) * (1.0 - _CROUCH_SHORTER * crouch) / duty
+        ahead = max(longest - gait.HALF_WIDTH * abs(turn), 0.0)
+        forward, left = gait.within_reach(
+            intent.speed / rate, intent.side / rate, ahead, gait.MAX_SIDESTEP / duty
         )
-        way = min(max(intent.speed, 0.0) / rate, longest - gait.HALF_WIDTH * abs(turn))
         gone = max(advance, 0.02)
-        self._way = _towards(self._way, way, gait.WAY_GAIN * gone)
+        self._way = (
+            _towards(self._way[0], forward, gait.WAY_GAIN * gone),
+            _towards(self._way[1], left, gait.WAY_GAIN * gone),
+        )
         self._turn = _towards(self._turn, turn, gait.TURN_GAIN * gone)
         return self._way, self._turn
 
@@ -135,10 +140,14 @@ def _any_swings(phase: float, tempo: float) -> bool:
     return any((phase - offset) % 1.0 < swing for offset in gait.leg_offsets(tempo).tolist())
 
 
-def _arc(x: float, y: float, yaw: float, way: float, turn: float) -> tuple[float, float, float]:
-    """The pose after `way` m along an arc that turns by `turn` rad."""
-    middle = yaw + 0.5 * turn
-    return x + way * math.cos(middle), y + way * math.sin(middle), yaw + turn
+def _arc(
+    x: float, y: float, yaw: float, way: tuple[float, float], turn: float, share: float
+) -> tuple[float, float, float]:
+    """The pose after a share of a stride of `way` (m, forward and left) and `turn` (rad)."""
+    middle = yaw + 0.5 * turn * share
+    c, s = math.cos(middle), math.sin(middle)
+    forward, left = way[0] * share, way[1] * share
+    return x + forward * c - left * s, y + forward * s + left * c, yaw + turn * share
 
 
 def _ahead(x: float, y: float, yaw: float, p: tuple[float, float]) -> tuple[float, float]:

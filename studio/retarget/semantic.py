@@ -19,8 +19,8 @@ from studio import geometry
 from studio.human.features import FEATURE_DIM
 from studio.human.skeleton import BONES
 from studio.reference import gait
-from studio.reference.intent import Intent
 from studio.reference.realize import Realizer
+from studio.reference.stepping import Stepper, forward_cadence
 from studio.retarget.mapper import NUM_RATES, RATES, Mapped
 from studio.robot.a1 import CONTROL_DT
 
@@ -47,16 +47,6 @@ LEAN_GAIN, LEAN_DEAD = 1.0, math.radians(7.0)
 TURN_MAX = math.radians(15.0)
 PATIENCE = 1.6
 """Half strides without a step after which nobody marches any more."""
-STRETCH = 0.75
-"""Share of the longest steps that the robot's own cadence leaves for a speed: told 0.5 m/s, the
-simulated robot walks 0.47 at 1.6 strides a second, 0.43 at 1.4 and 0.36 at 1.8."""
-CRAWLS, TROTS = np.linspace(0.3, 0.9, 13), np.linspace(1.4, 2.3, 19)
-CRAWL_SPEEDS, TROT_SPEEDS = gait.speed_limit(CRAWLS), gait.speed_limit(TROTS)
-"""Strides a second of the robot, and the fastest walk (m/s) at each."""
-SETTLE_S = 0.4
-"""s, time constant of the robot's cadence."""
-LIFT = 0.8
-"""Clearance of its steps, as `Intent.lift`."""
 
 _L_ANKLE, _R_ANKLE = (3 * BONES.index(f"{side}_ankle") + 2 for side in "lr")
 _L_SHOULDER, _R_SHOULDER, _CHEST = (
@@ -159,22 +149,6 @@ class MarchReader:
         self._foot, self._at = foot, self._t
 
 
-def gait_cadence(speed: float) -> float:
-    """Strides a second at which the robot walks at `speed` m/s: its own choice, not the person's.
-
-    Crawling while it can, then trotting, each at the slowest pace that has the speed within
-    STRETCH of its longest steps: short quick steps scuff, and between crawl and trot it tips.
-    """
-    wanted = speed / STRETCH
-    return float(
-        np.interp(
-            wanted,
-            CRAWL_SPEEDS if wanted <= CRAWL_SPEEDS[-1] else TROT_SPEEDS,
-            CRAWLS if wanted <= CRAWL_SPEEDS[-1] else TROTS,
-        )
-    )
-
-
 class SemanticWalk:
     """The walk expert of style "semantic": rules in place of weights, nothing to train."""
 
@@ -202,13 +176,17 @@ class SemanticStride:
     remembers = True
 
     def __init__(self) -> None:
-        self.reader, self._realizer = MarchReader(), Realizer()
-        self._yaw, self._phase, self._cadence = 0.0, gait.REST_PHASE, 0.0
+        self.reader, self._stepper, self._realizer = MarchReader(), Stepper("semantic"), Realizer()
+        self._yaw = 0.0
 
     def __call__(self, triplet: NDArray) -> Mapped:
         """One control period's triplet (3F,) to what an expert says of it."""
         march = self.reader.step(np.asarray(triplet[:FEATURE_DIM], np.float64))
-        pose = self._realizer.step(self._intent(march))
+        # Speed and turn as told, at a cadence of the robot's own.
+        cadence = forward_cadence(march.speed) if march.speed > 0.0 else 0.0
+        pose = self._realizer.step(
+            self._stepper.step(CONTROL_DT, cadence, march.speed, turn=march.turn)
+        )
         yaw = float(geometry.heading(pose.base_quat))
         turned = geometry.wrap_angle(yaw - self._yaw)
         self._yaw = yaw
@@ -223,27 +201,4 @@ class SemanticStride:
             rates=rates,
             contact_prob=pose.foot_contact,
             turn=float(turned) / CONTROL_DT,
-        )
-
-    def _intent(self, march: March) -> Intent:
-        """Speed and turn as told, at a cadence of the robot's own; stops with all feet down."""
-        if march.speed > 0.0:
-            goal = gait_cadence(march.speed)
-            share = 1.0 if self._cadence <= 0.0 else CONTROL_DT / SETTLE_S
-            self._cadence += share * (goal - self._cadence)
-            self._phase += self._cadence * CONTROL_DT
-        else:
-            halves = math.ceil(2.0 * (self._phase - gait.REST_PHASE) - 1e-6)
-            rest = 0.5 * halves + gait.REST_PHASE
-            self._phase = min(self._phase + self._cadence * CONTROL_DT, rest)
-            if self._phase >= rest:
-                self._cadence = 0.0
-        return Intent(
-            state="walk",
-            task="semantic",
-            phase=self._phase,
-            cadence=self._cadence,
-            speed=march.speed,
-            turn=march.turn,
-            lift=LIFT if self._cadence > 0.0 else 0.0,
         )

@@ -13,6 +13,7 @@ from studio.control.observation import heading_of, level_quat, reference_frame
 from studio.errors import StudioError
 from studio.reference.intent import StateName
 from studio.reference.motion import ReferenceMotion, backward_difference
+from studio.reference.tasks_travel import TRAVEL
 from studio.rl.crossing import crossing, crossing_names, rests_on_legs
 from studio.rl.curriculum import DIFFICULTIES, Stage
 from studio.robot import kinematics
@@ -155,25 +156,29 @@ def build_bank(
     difficulties: Sequence[float] = DIFFICULTIES,
     time_warp: float = 0.15,
     crossings: int = 0,
+    travels: int = 0,
 ) -> MotionBank:
     """`per_task` motions of every task of a state at each difficulty, time-warped by ± a share.
 
-    crossings: as many motions out of each other state, at each difficulty. Deterministic in its
-    arguments.
+    crossings: as many motions out of each other state, at each difficulty. travels: as many
+    through space (`reference.tasks_travel`). Deterministic in its arguments.
     """
     names = task_names(state)
     ways = crossing_names(state) if crossings else ()
+    counts = dict.fromkeys(names, per_task) | dict.fromkeys(ways, crossings)
+    if travels:
+        counts[TRAVEL.name] = travels
     frames = round(seconds * 30.0) + 1
     motions, hardness = [], []
-    for index, name in enumerate(names + ways):
+    for index, (name, count) in enumerate(counts.items()):
         for level in difficulties:
             rng = np.random.default_rng([seed, index, round(1000 * level)])
-            for _ in range(per_task if name in names else crossings):
+            for _ in range(count):
                 rate = rng.uniform(1.0 - time_warp, 1.0 + time_warp)
                 length = seconds * (1.0 + time_warp) + 0.2
                 motions.append(warp(_motion(name, state, rng, length, level), rate, frames))
                 hardness.append(level)
-    bank = assemble(state, names + ways, motions, hardness)
+    bank = assemble(state, tuple(counts), motions, hardness)
     if crossings:
         bank = replace(bank, leg_contact=rests_on_legs(state))
     log.info("bank %s: %d motions of %d frames", state, len(bank), frames)
@@ -187,6 +192,8 @@ def _motion(
     from studio.reference.library import TASKS
     from studio.reference.realize import realize
 
+    if name == TRAVEL.name:
+        return realize(TRAVEL.sample(rng, seconds, difficulty=difficulty))
     if name in TASKS:
         return realize(TASKS[name].sample(rng, seconds, difficulty=difficulty))
     source = cast(StateName, name.removeprefix("from_"))

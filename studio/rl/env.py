@@ -135,6 +135,8 @@ class ImitationEnv(TrackingRobots):
         drawn = randomize.draw(rng, n, self.world.num_links, stage.randomisation)
         if self.config.steep and not self.config.evaluation:
             drawn = randomize.steepened(drawn, rng, self.config.steep, stage.randomisation)
+        if self.config.motors:
+            drawn = randomize.with_motors(drawn, rng, stage.randomisation)
         self.world.set_dynamics(ids, drawn)
         m, f = self.motion[ids], self.begin[ids]
         qpos = np.concatenate([bank.base_pos[m, f], bank.base_quat[m, f], bank.joint_pos[m, f]], 1)

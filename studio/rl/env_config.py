@@ -21,6 +21,7 @@ class EnvConfig:
     holds them learns to steer: its own errors are small and seldom.
     steep: share of the episodes on slopes of STEEP of Table I's largest, which an even draw seldom
     meets and a sitting robot falls on.
+    motors: armature, damping and strength of the motors are drawn too, which Table I does not have.
     evaluation: motions in order from their first frame, no kicks, and nobody begins anew: whatever
     a controller does, it meets the same references, dynamics and noise.
     """
@@ -44,4 +45,5 @@ class EnvConfig:
     init_heading: float = 0.0
     init_place: float = 0.0
     steep: float = 0.0
+    motors: bool = False
     evaluation: bool = False

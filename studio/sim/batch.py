@@ -68,6 +68,9 @@ class BatchWorld:
         self._gravity = self._batch.expand("opt.gravity")
         self._timestep = self._batch.expand("opt.timestep")
         self._torque_range = self._batch.expand("actuator_forcerange")
+        self._armature = self._batch.expand("dof_armature")
+        self._damping = self._batch.expand("dof_damping")
+        self._limit = np.tile(a1.TORQUE_LIMIT, (n, 1))
         self._slowed = np.zeros(n, dtype=bool)
         self.qpos = self._batch.bind("qpos")
         self.qvel = self._batch.bind("qvel")
@@ -141,7 +144,18 @@ class BatchWorld:
         self.delay[ids] = drawn.delay
         self.dynamics_factors[ids] = np.stack([drawn.friction, drawn.kp, drawn.kd], axis=-1)
         self._period[ids] = drawn.period
+        self._set_motors(ids, drawn)
         self._batch.set_const(ids)
+
+    def _set_motors(self, ids: NDArray[np.intp], drawn: randomize.Dynamics) -> None:
+        n = len(ids)
+        armature = np.full(n, a1.ARMATURE) if drawn.armature is None else drawn.armature
+        self._armature[ids, 6:] = armature[:, None]
+        self._damping[ids, 6:] = 0.0 if drawn.damping is None else drawn.damping[:, None]
+        strength = np.ones(n) if drawn.strength is None else drawn.strength
+        self._limit[ids] = strength[:, None] * a1.TORQUE_LIMIT
+        self._torque_range[ids, :, 0] = -self._limit[ids]
+        self._torque_range[ids, :, 1] = self._limit[ids]
 
     def reset(
         self, ids: NDArray[np.intp], qpos: Array, qvel: Array, target: Array | None = None
@@ -174,12 +188,12 @@ class BatchWorld:
         torque ≤ slope (free speed − q̇) forwards and the same backwards: beyond the free speed a
         motor brakes. Only robots with a joint fast enough are touched; most never are.
         """
-        c, limit = self.config, a1.TORQUE_LIMIT
-        fast = np.abs(self.joint_vel).max(axis=-1) > c.free_speed - limit.min() / c.speed_slope
+        c, least = self.config, self._limit.max() / self.config.speed_slope
+        fast = np.abs(self.joint_vel).max(axis=-1) > c.free_speed - least
         ids = np.flatnonzero(fast | self._slowed)
         self._slowed = fast
         if len(ids):
-            speed = self.joint_vel[ids]
+            speed, limit = self.joint_vel[ids], self._limit[ids]
             self._torque_range[ids, :, 0] = np.clip(
                 -c.speed_slope * (c.free_speed + speed), -limit, limit
             )

@@ -145,6 +145,7 @@ def make_bank(config: PolicyTraining, cache: Path | None = BANKS) -> MotionBank:
             per_task=config.motions_per_task,
             seed=config.seed,
             crossings=config.crossings,
+            travels=config.made_by.travels * config.motions_per_task,
         )
         for state in states
     ]
@@ -190,6 +191,7 @@ def make_environment(
         init_place=0.2 if observation.place_gain else 0.0,
         push=config.push,
         steep=recipe.steep,
+        motors=recipe.motors,
     )
     seed = config.seed if seed is None else seed
     if config.privileged:

@@ -23,8 +23,9 @@ class Recipe:
     policy that has only met noise reads small tilts as noise. root_ori: scale of that reward term.
     unrest: how much of a motion that went before
     the trunk may still have at the start, as a share of a walk's: a robot that sits down stood.
-    mirror_loss: see PpoConfig; the weights then run symmetric (`policy.Symmetric`), or a robot
-    that is asked to walk straight turns by some degrees a second.
+    travels: motions through space for each of another task. mirror_loss: see PpoConfig; the weights
+    then run symmetric (`policy.Symmetric`), or a robot that is asked to walk straight turns by some
+    degrees a second.
     """
 
     distil: int = 800_000
@@ -39,11 +40,21 @@ class Recipe:
     root_ori: float = 5.0
     unrest: float = 1.0
     mirror_loss: float = 1.0
+    motors: bool = False
+    travels: int = 0
 
 
 RECIPES: dict[PolicyName, Recipe] = {
     "stand": Recipe(),
-    "walk": Recipe(heading_gain=0.6, heading_smooth=1.0, anchor_tau=3.0, anchor_yaw_tau=5.0),
+    "walk": Recipe(
+        heading_gain=0.6,
+        heading_smooth=1.0,
+        anchor_tau=3.0,
+        anchor_yaw_tau=5.0,
+        steep=0.3,
+        motors=True,
+        travels=3,
+    ),
     "sit": Recipe(
         distil=0,
         heading_gain=1.0,

@@ -13,7 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from studio.control.drive_command import PuppeteerConfig
+from studio.control.staleness import stale_command
 from studio.files import fingerprint
+from studio.human.calibration import calibrate
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.reference.motion import ReferenceMotion
@@ -22,22 +24,35 @@ from studio.rl.bank import MotionBank, assemble, merged
 from studio.rl.bank_store import kept
 from studio.robot import a1
 from studio.robot.pose import ReferencePose
-from studio.sources import open_source, poses
+from studio.synthetic.impaired import BRISK, Impaired, sent_by
 
 
 @dataclass(frozen=True, kw_only=True)
 class Acted:
-    """What people do while a state's expert is in charge, in each style; lock: of the state."""
+    """What people do while a state's expert is in charge, in each style; lock: of the state.
 
-    tasks: tuple[str, ...]
+    sources: of `impaired.sent_by`. sensors: person by person another one sees them, in turns.
+    """
+
+    sources: tuple[str, ...]
     styles: tuple[str, ...]
     lock: str
+    sensors: tuple[str, ...] = ("mocap",)
 
 
 ACTED: dict[str, Acted] = {
-    "walk": Acted(tasks=("walk", "turn"), styles=("march", "circles"), lock="auto"),
+    "walk": Acted(
+        sources=("operator:walk", "operator:turn", BRISK),
+        styles=("march", "circles"),
+        lock="auto",
+        sensors=("mocap", "dropped", "kinect"),
+    ),
     "sit": Acted(
-        tasks=("march", "walk", "tilt", "sit_tilt", "sit_manipulate"), styles=("march",), lock="sit"
+        sources=tuple(
+            f"operator:{task}" for task in ("march", "walk", "tilt", "sit_tilt", "sit_manipulate")
+        ),
+        styles=("march",),
+        lock="sit",
     ),
 }
 """States whose policies meet people in training."""
@@ -56,9 +71,11 @@ def acted_bank(state: StateName, people: int, seed: int, frames: int = 301) -> M
     motions = []
     acted = ACTED[state]
     for style in acted.styles:
-        for task in acted.tasks:
+        for source in acted.sources:
             for k in range(people):
-                for told in _references(state, task, style, 1000 * seed + k):
+                sensor = acted.sensors[k % len(acted.sensors)]
+                person = sent_by(sensor, source, 1000 * seed + k, style)
+                for told in _references(state, person, style, 1000 * seed + k):
                     cuts = range(0, len(told) - frames + 1, frames)
                     motions += [_motion(state, told[i : i + frames]) for i in cuts]
     return assemble(state, (TASK,), motions, [1.0] * len(motions))
@@ -79,17 +96,21 @@ def with_people(bank: MotionBank, people: int, seed: int, cache: Path | None = N
     return merged([bank, acted], bank.state)
 
 
-def _references(state: StateName, task: str, style: str, seed: int) -> list[list[ReferencePose]]:
+def _references(
+    state: StateName, person: Impaired, style: str, seed: int
+) -> list[list[ReferencePose]]:
     """What the controller tracks while the state's expert is in charge, stretch by stretch."""
     lock = ACTED[state].lock
     puppeteer = Puppeteer(
-        PuppeteerConfig(style=style, state=lock, controller="stand_still", seed=seed)
+        PuppeteerConfig(style=style, state=lock, controller="stand_still", seed=seed),
+        calibrate(person.calibration_poses()),
     )
     stretches: list[list[ReferencePose]] = [[]]
-    ticks = round(SECONDS * a1.CONTROL_HZ)
-    source = open_source(f"operator:{task}", seed=seed, style=style)
-    for _, pose in zip(range(ticks), poses(source)):
-        tick = puppeteer.step(pose)
+    age = np.inf
+    for k in range(round(SECONDS * a1.CONTROL_HZ)):
+        human = person.read(k * a1.CONTROL_DT)
+        age = 0.0 if human is not None else age + a1.CONTROL_DT
+        tick = puppeteer.step(human, stale_command(float(age)))
         if tick.state == state or (tick.state == "transition" and tick.transition_to == state):
             stretches[-1].append(tick.reference)
         elif stretches[-1]:

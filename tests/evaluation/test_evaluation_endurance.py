@@ -11,9 +11,10 @@ from studio.control.trackers import Tracker, TrackerInput
 from studio.errors import StudioError
 from studio.evaluation import endurance as en
 from studio.evaluation import minutes
-from studio.evaluation.impaired import IMPAIRMENTS, Impaired, Impairment, Sensed
+from studio.evaluation.sensed import Sensed
 from studio.rl.noise import NoiseConfig
 from studio.sim.world import World
+from studio.synthetic.impaired import IMPAIRMENTS, Impaired, Impairment
 from studio.synthetic.operator import OperatorSource
 
 DT = 1.0 / 30.0

@@ -10,10 +10,10 @@ from studio.evaluation.styles import (
     attempt,
     row,
     run_styles,
-    walking,
 )
 from studio.reference import gait
 from studio.retarget.store import STYLES
+from studio.synthetic.impaired import walking
 
 
 def outcome(m_s, deg_s, survived=True):

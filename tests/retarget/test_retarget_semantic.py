@@ -7,10 +7,10 @@ from canonical_people import NEUTRAL_Q
 from studio import geometry
 from studio.human.skeleton import BONES
 from studio.reference import gait
+from studio.reference.stepping import forward_cadence
 from studio.retarget.semantic import (
     MarchReader,
     SemanticWalk,
-    gait_cadence,
     speed_of,
     trunk_of,
     turn_of,
@@ -76,7 +76,7 @@ def test_somebody_who_stands_or_fidgets_with_the_feet_means_no_walk():
 
 def test_the_robot_chooses_a_pace_at_which_the_speed_is_within_its_steps():
     for speed in np.linspace(0.02, 0.7, 30):
-        cadence = gait_cadence(speed)
+        cadence = forward_cadence(speed)
         assert float(gait.speed_limit(cadence)) >= speed
         assert cadence <= 0.9 or cadence >= 1.4
 

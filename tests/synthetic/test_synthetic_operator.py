@@ -86,6 +86,7 @@ def test_frame_by_frame_and_whole_tracks_are_the_same_motion():
         reach=np.zeros((steps, 2)), reach_side=np.zeros((steps, 2)), speed=np.zeros(steps),
         turn=np.full(steps, 0.1), phase=0.8 * np.linspace(0.0, 5.0 - DT, steps),
         cadence=np.full(steps, 0.8), lift=np.full(steps, 0.5),
+        side=np.zeros(steps),
     )  # fmt: skip
     person = Person.sample(np.random.default_rng(11), sensor="webcam")
     clip = perform(track, person, 5)

@@ -1,19 +1,17 @@
-"""A person as a worse sensor would send them: late, with frames lost and limbs mistaken; and the
-robot as cheap sensors feel it."""
+"""A person as a worse sensor would send them: late, with frames lost and limbs mistaken."""
 
 from collections import deque
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from studio import geometry
-from studio.control.trackers import Tracker, TrackerInput
 from studio.human.pose import HumanPose
 from studio.human.skeleton import INDEX
 from studio.mocap.source import Source
 from studio.mocap.source_report import SourceReport
-from studio.rl.noise import NoiseConfig
+from studio.reference import gait
+from studio.reference.intent import Intent
+from studio.synthetic.operator import InteractiveOperator, OperatorSource
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,6 +34,9 @@ IMPAIRMENTS: dict[str, Impairment] = {
     "dropped": Impairment(sensor="kinect", drop=0.03, gaps=0.1),
     "kinect": Impairment(sensor="kinect", delay=(0.010, 0.060), drop=0.01, gaps=0.03, glitches=0.1),
 }
+BRISK = "brisk"
+"""The source of somebody who walks straight on, at one speed drawn from the upper 40 % of what
+there is."""
 _SIDES = tuple((INDEX[f"l_{j}"], INDEX[f"r_{j}"]) for j in ("elbow", "wrist"))
 _LEGS = tuple((INDEX[f"l_{j}"], INDEX[f"r_{j}"]) for j in ("knee", "ankle", "toe"))
 _THROW = 0.35
@@ -97,35 +98,27 @@ class Impaired(Source):
         return replace(pose, joint_pos_w=joints)
 
 
-class Sensed(Tracker):
-    """Wraps a controller: it sees the robot through sensors as cheap as those of the training.
+def sent_by(sensor: str, source: str, seed: int, style: str = "march") -> Impaired:
+    """A synthetic person as a sensor (of IMPAIRMENTS) sends them. source: `operator`,
+    `operator:TASK` or BRISK."""
+    impairment = IMPAIRMENTS[sensor]
+    if source == BRISK:
+        person = InteractiveOperator(seed=seed, style=style, sensor=impairment.sensor)
+        speed = np.random.default_rng([seed, 5]).uniform(0.6, 1.0) * gait.MAX_SPEED
+        person.set_intent(walking(float(speed), 0.0))
+    else:
+        task = source.partition(":")[2] or None
+        person = OperatorSource(task, seed=seed, style=style, sensor=impairment.sensor)
+    return Impaired(person, impairment, seed)
 
-    joint_pos: encoders with a bias of their own and noise; base_quat: a bias of the IMU in roll and
-    pitch; base_ang_vel_b: a noisy gyro. One thread only.
-    """
 
-    def __init__(self, tracker: Tracker, noise: NoiseConfig, seed: int = 0) -> None:
-        self.name = tracker.name
-        self._tracker, self._noise = tracker, noise
-        self._rng = np.random.default_rng([seed, 11])
-        self._joint_bias = noise.encoder_bias * self._rng.standard_normal(12)
-        tilt = noise.imu_bias * self._rng.standard_normal(2)
-        self._imu_bias = geometry.quat_from_rotvec(np.append(tilt, 0.0))
-
-    def reset(self, now: TrackerInput) -> None:
-        """As the controller's."""
-        self._tracker.reset(self._felt(now))
-
-    def act(self, now: TrackerInput) -> NDArray[np.float64]:
-        """As the controller's."""
-        return self._tracker.act(self._felt(now))
-
-    def _felt(self, now: TrackerInput) -> TrackerInput:
-        robot, noise, rng = now.robot, self._noise, self._rng
-        felt = replace(
-            robot,
-            joint_pos=robot.joint_pos + self._joint_bias + noise.encoder * rng.standard_normal(12),
-            base_quat=geometry.quat_mul(robot.base_quat, self._imu_bias),
-            base_ang_vel_b=robot.base_ang_vel_b + noise.gyro * rng.standard_normal(3),
-        )
-        return replace(now, robot=felt)
+def walking(speed: float, turn: float) -> Intent:
+    """What somebody means who wants this speed (m/s) and turn (rad/s): the slowest pace that has
+    it within its steps."""
+    for cadence in (1.5, 1.7, 1.9, 2.1, 2.3):
+        if gait.march_speed(cadence, 0.8, turn) >= speed:
+            break
+    lift = max(float(gait.march_lift(cadence, speed)), 0.2)
+    return Intent(
+        state="walk", task="walking", speed=speed, turn=turn, cadence=cadence, lift=min(lift, 1.0)
+    )
