@@ -9,6 +9,7 @@ import tyro
 
 StateOption = Literal["auto", "stand", "walk", "sit"]
 Style = Literal["march", "circles", "semantic"]
+Travel = Literal["auto", "off"]
 ControllerName = Literal["stand_still", "pd_playback", "policy"]
 
 

@@ -31,6 +31,7 @@ from studio.errors import unknown_name
 from studio.human.calibration import Calibration
 from studio.human.pose import HumanPose
 from studio.mocap.human_tracker import HumanTracker
+from studio.options import Travel
 from studio.reference.intent import STATES, StateName
 from studio.retarget.retargeter import Retargeted, Retargeter
 from studio.retarget.settings import RetargetSettings
@@ -57,7 +58,7 @@ class Puppeteer:
         """StudioError for unknown names, or where no experts are trained for the style."""
         self.config = config = config or PuppeteerConfig()
         self.retargeter = retargeter or Retargeter.load(
-            config.style, calibration, mirror=config.mirror
+            config.style, calibration, mirror=config.mirror, travel=config.travel == "auto"
         )
         self.controller = Controller()
         self.tracker = open_controller(config.controller)
@@ -152,6 +153,7 @@ class Puppeteer:
                 self.retargeter.experts,
                 calibration,
                 mirror=self.config.mirror,
+                travel=self.config.travel == "auto",
                 settings=self.retargeter.settings,
             )
             self.retargeter.set_expert(self.lock)
@@ -218,6 +220,12 @@ class Puppeteer:
         """Mirror the person from the next pose on."""
         self.config = replace(self.config, mirror=mirror)
         self.retargeter.extractor.mirror = mirror
+
+    def set_travel(self, travel: Travel) -> None:
+        """Follow a person through space, or read marches alone, from the next period on."""
+        self.config = replace(self.config, travel=travel)
+        self.retargeter.travel = travel == "auto"
+        self.rejoin()
 
     def set_experts(self, experts: Experts) -> None:
         """Map the person by other experts from the next period on; what was seen is kept."""

@@ -8,7 +8,7 @@ from typing import Literal
 import tyro
 
 from studio.cli.output import Answer
-from studio.options import ControllerName, ServeConfig, StateOption, Style
+from studio.options import ControllerName, ServeConfig, StateOption, Style, Travel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +31,8 @@ class Drive:
     """What stands around the robot."""
     mirror: bool = False
     """Mirror the person."""
+    travel: Travel = "auto"
+    """Walk through space beside a person who does (auto), or read marches alone (off)."""
     sessions: Path = Path("sessions")
     """Folder of recorded takes."""
     record: bool = False

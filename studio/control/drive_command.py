@@ -5,6 +5,7 @@ from typing import Literal, get_args
 
 from studio.control.controller import Directive
 from studio.errors import StudioError, unknown_name
+from studio.options import Travel
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -13,6 +14,7 @@ class PuppeteerConfig:
 
     style: which human motion means walking. controller: a name of imitation.controllers, None for
     the default. state: "auto" or the state to stay in. seed: of the world. mirror: as in a mirror.
+    travel: "auto" walks through space beside a person who does, "off" reads marches alone.
     tilt_gain: times the trunk's tilt. dead_zone: rad of tilt ignored. speed_cap: m/s.
     """
 
@@ -21,6 +23,7 @@ class PuppeteerConfig:
     state: str = "auto"
     seed: int = 0
     mirror: bool = False
+    travel: Travel = "auto"
     tilt_gain: float = 1.0
     dead_zone: float = 0.0
     speed_cap: float = 1.0

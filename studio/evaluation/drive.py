@@ -15,6 +15,7 @@ from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport, trace_line
 from studio.human.calibration import calibrate
 from studio.mocap.joint_maps import read_joint_map
+from studio.options import Travel
 from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
 from studio.sources import Source, open_source, poses
@@ -42,6 +43,7 @@ class DriveConfig:
     style: str = "march"
     controller: str | None = None
     mirror: bool = False
+    travel: Travel = "auto"
     sessions: Path = Path("sessions")
     record: bool = False
     trace: Path | None = None
@@ -80,6 +82,7 @@ def run_drive(
                 state=config.state,
                 seed=config.seed,
                 mirror=config.mirror,
+                travel=config.travel,
             ),
             calibrate(source.calibration_poses()),
         )

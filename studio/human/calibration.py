@@ -24,6 +24,8 @@ _LEG_BONES = np.array([BONES.index(b) for b in ("l_knee", "l_ankle", "r_knee", "
 # mean over all that was seen until that is as slow as DRIFT_TAU. Feet and hips turned by TURNED
 # are no twist but a turn on the spot: followed until FACED is left.
 _START_TAU, _DRIFT_TAU, _QUIET_TAU, _TURNED_TAU = 0.25, 20.0, 2.0, 0.7
+_TRAVEL_TAU = 0.5
+"""s: nobody twists while crossing a room, they turn."""
 _TURNED, _FACED = math.radians(70.0), math.radians(10.0)
 _BUTTON_SECONDS = 0.5
 _QUIET_MEAN_TAU, _QUIET_DISTANCE, _QUIET_SECONDS = 0.5, 0.04, 0.5
@@ -97,6 +99,7 @@ class Calibrator:
     def __init__(self, start: Calibration | None = None, dt: float = 1.0 / 30.0) -> None:
         self._start = start or Calibration()
         self._dt = dt
+        self.travels = False  # the person crosses the room now
         self.reset()
 
     def reset(self) -> None:
@@ -114,6 +117,11 @@ class Calibrator:
     def heading(self) -> float:
         """rad, the heading now."""
         return self._heading
+
+    @property
+    def leg_length(self) -> float:
+        """Thigh plus shin now, mean of both legs, m."""
+        return float(self._bone_length[_LEG_BONES].sum()) / 2.0
 
     @property
     def bone_length(self) -> Array:
@@ -171,7 +179,9 @@ class Calibrator:
         error = wrapped(angle - self._heading)
         self._turning = abs(error) > (_FACED if self._turning else _TURNED)
         tau = self._tau()
-        if self._turning:
+        if self.travels:
+            tau = min(tau, _TRAVEL_TAU)
+        elif self._turning:
             tau = min(tau, _TURNED_TAU)
         elif self._is_quiet(pose):
             tau = min(tau, _QUIET_TAU)

@@ -58,6 +58,11 @@ def state_dict(
         "style": puppeteer.config.style,
         "gains": puppeteer.gains,
         "mirror": puppeteer.config.mirror,
+        "travel": {
+            "mode": puppeteer.config.travel,
+            "found": puppeteer.retargeter.path.found,
+            "moving": puppeteer.retargeter.travels,
+        },
         "calibration": {
             "heading_deg": round(float(np.degrees(extractor.calibrator.heading)), 1),
             "leg_length_m": round(extractor.calibration.leg_length, 3),

@@ -16,7 +16,7 @@ from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.retarget.experts import EXPERTS
 from studio.retarget.foothold_planner import FootholdPlanner
-from studio.retarget.mapper import Mapped
+from studio.retarget.mapper import Expert, Mapped
 from studio.retarget.selector import (
     SELECTOR_CUTOFF_HZ,
     Choice,
@@ -26,6 +26,7 @@ from studio.retarget.selector import (
 )
 from studio.retarget.settings import RetargetSettings
 from studio.retarget.store import Experts, load_experts
+from studio.retarget.travel import PathReader, TravelWalk
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose
 
@@ -69,9 +70,13 @@ class Retargeter:
         mirror: bool = False,
         selector: SelectorConfig | None = None,
         settings: RetargetSettings | None = None,
+        travel: bool = True,
     ) -> None:
-        self.experts = experts
+        """travel: walk through space beside a person who does (`retarget.travel`)."""
+        self.experts, self.travel = experts, travel
         self.extractor = FeatureExtractor(calibration or Calibration(), mirror=mirror)
+        self.path = PathReader()
+        self._through_space = TravelWalk(self.path)
         self.selector = Selector(experts.prototypes, selector)
         self._filter = TripletFilter(SELECTOR_CUTOFF_HZ, a1.CONTROL_DT)
         self._planner = FootholdPlanner(settings)
@@ -84,14 +89,17 @@ class Retargeter:
         calibration: Calibration | None = None,
         *,
         mirror: bool = False,
+        travel: bool = True,
         models: Path | None = None,
     ) -> "Retargeter":
         """A retargeter with the shipped experts of a style. StudioError if there are none."""
-        return Retargeter(load_experts(style, models), calibration, mirror=mirror)
+        experts = load_experts(style, models)
+        return Retargeter(experts, calibration, mirror=mirror, travel=travel)
 
     def reset(self) -> None:
         """Forget the person and the motion; the robot stands at the origin. Keeps the lock."""
         self.extractor.reset()
+        self.path.reset()
         self.selector.reset()
         self._filter.reset()
         self._features: Features | None = None
@@ -139,8 +147,7 @@ class Retargeter:
             clock = now
 
         self._silence = 0.0 if pose is not None else self._silence + dt
-        if pose is not None:
-            self._features = self.extractor.push(pose)
+        self._see(pose)
         lap("features")
         if self._features is None:
             return self._idle(timings)
@@ -148,14 +155,16 @@ class Retargeter:
         if pose is not None or self._choice is None:
             self._choice = self.selector.step(self._filter.step(triplet))
         choice = self._choice
-        self._enter(self.selector.lock or choice.active)  # type: ignore[arg-type]
+        # Whoever crosses the room walks, however their legs look to the selector.
+        active = "walk" if self.travels and choice.active == "stand" else choice.active
+        self._enter(self.selector.lock or active)  # type: ignore[arg-type]
         lap("selector")
         # Whoever locks a state wants it driven, however far the motion is from the training data.
-        unknown = choice.expert == "unknown" and self.selector.lock is None
+        unknown = choice.expert == "unknown" and self.selector.lock is None and not self.travels
         self._ease_on(unknown or self._silence > HOLD, dt)
         reference, clipped = self._planner.last, False
         contact_prob = reference.foot_contact
-        expert = self.experts.mappers[self._planner.state]
+        expert = self._expert_of(self._planner.state)
         mapped = None if watch and not expert.remembers else self._expert(triplet)
         lap("mapper")
         if mapped is not None and not watch:
@@ -187,7 +196,29 @@ class Retargeter:
 
     def _begin(self) -> None:
         """The active state's expert starts on a new stretch of motion."""
-        self._expert = self.experts.mappers[self._planner.state].begin()
+        self._expert = self._expert_of(self._planner.state).begin()
+
+    def _expert_of(self, state: StateName) -> Expert:
+        if state == "walk" and self.travel and self.path.found:
+            return self._through_space
+        return self.experts.mappers[state]
+
+    def _see(self, pose: HumanPose | None) -> None:
+        """The person's features and path; who is found to travel is followed from a stand on."""
+        extractor, known = self.extractor, self.path.found
+        if pose is not None:
+            extractor.calibrator.travels = self.travels
+            self._features = extractor.push(pose)
+        self.path.mirror = extractor.mirror
+        self.path.see(pose, extractor.calibrator.leg_length)
+        if self.path.found and not known and self.travel and self._planner.state == "walk":
+            self._ease = 0.0
+            self._begin()
+
+    @property
+    def travels(self) -> bool:
+        """The person crosses the room now, and the robot is to do so too."""
+        return self.travel and self.path.moving
 
     def continue_from(self, pose: RobotPose, yaw: float) -> None:
         """Go on from `pose`, where a transition or a hold has left the robot, feet and all.

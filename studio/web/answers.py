@@ -14,6 +14,7 @@ from studio.control.trackers import CONTROLLERS
 from studio.live.collect import Phase
 from studio.live.command import OneOf
 from studio.live.commands import MODES
+from studio.options import Travel
 from studio.reference.intent import STATES
 from studio.reference.library import TASKS
 from studio.retarget.store import STYLES
@@ -189,6 +190,15 @@ class JointMapAnswer(TypedDict):
     map: dict[str, list[str]]
 
 
+class Following(TypedDict):
+    """Whether the robot walks through space beside the person: asked for, they were found to move
+    so, and they do now."""
+
+    mode: Travel
+    found: bool
+    moving: bool
+
+
 class State(TypedDict):
     """GET /api/state: what the studio is doing, and why nothing moves if nothing does."""
 
@@ -217,6 +227,7 @@ class State(TypedDict):
     style: Style
     gains: dict[str, float]
     mirror: bool
+    travel: Following
     calibration: Calibration
     recording: Recording | None
     recording_error: str | None

@@ -8,13 +8,8 @@ from studio import geometry
 from studio.human.skeleton import BONES
 from studio.reference import gait
 from studio.reference.stepping import forward_cadence
-from studio.retarget.semantic import (
-    MarchReader,
-    SemanticWalk,
-    speed_of,
-    trunk_of,
-    turn_of,
-)
+from studio.retarget.march import MarchReader, speed_of, trunk_of, turn_of
+from studio.retarget.semantic import SemanticWalk
 from studio.robot.a1 import CONTROL_DT, JOINT_LOWER, JOINT_UPPER
 
 L_ANKLE = 3 * BONES.index("l_ankle") + 2

@@ -15,6 +15,7 @@ from studio.live.commands.drive import (
     SetSource,
     SetStateLock,
     SetStyle,
+    SetTravel,
 )
 from studio.live.commands.safety import Arm, Disarm, ReleaseControl, Reset, Stop, TakeControl
 from studio.live.commands.takes import Seek, ShowTake, StartTake, StopTake
@@ -47,6 +48,7 @@ __all__ = [
     "SetSource",
     "SetStateLock",
     "SetStyle",
+    "SetTravel",
     "ShowTake",
     "StartTake",
     "Stop",

@@ -11,6 +11,7 @@ from studio.live.command import Command, Made, OneOf, with_why
 from studio.live.mappers import SHIPPED, OpenedMapper, open_mapper
 from studio.live.reading import OpenedSource, open_follower, open_for
 from studio.live.replay import Replay, open_replay
+from studio.options import Travel
 from studio.reference.intent import STATES
 from studio.retarget.store import STYLES, load_experts
 
@@ -145,6 +146,18 @@ class SetMirror(Command):
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Mirror the person from the next pose on."""
         runtime.puppeteer.set_mirror(self.mirror)
+        return {}
+
+
+class SetTravel(Command):
+    """Walk through space beside a person who does ("auto"), or read marches alone ("off")."""
+
+    path: ClassVar[str] = "travel"
+    travel: Travel
+
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
+        """From the next period on."""
+        runtime.puppeteer.set_travel(self.travel)
         return {}
 
 
