@@ -60,8 +60,8 @@ def _travel(rng: np.random.Generator, seconds: float, difficulty: float) -> Inte
         cadence = trot_cadence(forward, side, turn) if goes else 0.0
         intents.append(stepper.step(CONTROL_DT, cadence, forward, side, turn))
     names = ("phase", "cadence", "lift", "speed", "side", "turn")
-    fields = {name: np.array([getattr(i, name) for i in intents]) for name in names}
-    return make_track("walk", "travel", length, **fields)
+    rows = {name: np.array([getattr(i, name) for i in intents]) for name in names}
+    return make_track("walk", "travel", length, CONTROL_DT, **rows)
 
 
 TRAVEL = Task(name="travel", state="walk", draw=_travel)

@@ -14,7 +14,7 @@ from studio.evaluation import minutes
 from studio.evaluation.sensed import Sensed
 from studio.rl.noise import NoiseConfig
 from studio.sim.world import World
-from studio.synthetic.impaired import IMPAIRMENTS, Impaired, Impairment
+from studio.synthetic.impaired import BRISK, IMPAIRMENTS, Impaired, Impairment, sent_by
 from studio.synthetic.operator import OperatorSource
 
 DT = 1.0 / 30.0
@@ -77,20 +77,20 @@ def test_walking_stays_up_where_it_fell_when_it_made_up_for_its_place():
 
 
 def test_somebody_brisk_walks_faster_than_most():
-    case = minutes.Case(source=minutes.BRISK, seconds=12.0)
+    case = minutes.Case(source=BRISK, seconds=12.0)
     row = en.row(case, [minutes.endure(case, 101)], 0)
     assert row["speed_asked_m_s"] > 0.5
 
 
 def test_a_table_that_was_cut_off_goes_on_where_it_stopped(tmp_path: Path):
-    options = en.Options(source=minutes.BRISK, episodes=1, seconds=1.0, threads=1)
+    options = en.Options(source=BRISK, episodes=1, seconds=1.0, threads=1)
     (row,) = en.run_endurance(options, cache=tmp_path)["rows"]
     assert (row["falls"], row["episodes"]) == (0, 1)
     (file,) = tmp_path.iterdir()
     file.write_text(json.dumps({**json.loads(file.read_text()), "falls": [0.5]}))
     (again,) = en.run_endurance(options, cache=tmp_path)["rows"]
     assert again["falls"] == 1  # as it was kept
-    other = en.Options(source=minutes.BRISK, episodes=1, seconds=2.0, threads=1)
+    other = en.Options(source=BRISK, episodes=1, seconds=2.0, threads=1)
     assert en.run_endurance(other, cache=tmp_path)["rows"][0]["falls"] == 0
 
 
@@ -174,6 +174,6 @@ def test_frames_are_late_lost_and_mistaken_as_asked():
 
 def test_every_impairment_can_be_watched():
     for name, how in IMPAIRMENTS.items():
-        source = minutes._source(minutes.Case(sensor=name), 100)
+        source = sent_by(name, "operator:walk", 100)
         assert source.calibration_poses()
         assert any(source.read(k * DT) is not None for k in range(10)), how
