@@ -96,8 +96,7 @@ def studio_live(studio_at):
         assert client.post("/api/source", json={"source": "operator:quiet"}).status_code == 200
     if state["stopped"]:
         client.post("/api/reset")
-    if not state["armed"]:
-        client.post("/api/arm")
+    client.post("/api/arm")  # always: whoever arms takes the place of a page that has gone silent
     client.post("/api/mode", json={"mode": "live"})
     client.post("/api/state", json={"state": "auto"})
     return studio_at
