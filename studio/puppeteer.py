@@ -8,23 +8,12 @@
 Live is this plus a clock (`live.loop`); a headless drive and every table are this without one.
 """
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import fields, replace
-from time import perf_counter
-
-import numpy as np
+from collections.abc import Callable
+from dataclasses import replace
 
 from studio import geometry, metrics
-from studio.control.controller import Control, Controller, Directive
-from studio.control.drive_command import (
-    FOLLOW,
-    LIMITS,
-    DriveCommand,
-    PuppeteerConfig,
-    Reason,
-    checked_gain,
-)
+from studio.control.controller import Control, Controller
+from studio.control.drive_command import FOLLOW, Directive, DriveCommand, PuppeteerConfig, Reason
 from studio.control.staleness import HOLD_AFTER, STALE_AFTER, why_still
 from studio.control.trackers import TrackerInput, open_controller
 from studio.errors import unknown_name
@@ -34,7 +23,8 @@ from studio.mocap.human_tracker import HumanTracker
 from studio.options import Travel
 from studio.reference.intent import STATES, StateName
 from studio.retarget.retargeter import Retargeted, Retargeter
-from studio.retarget.settings import RetargetSettings
+from studio.retarget.section_times import SectionTimes
+from studio.retarget.settings import LIMITS
 from studio.retarget.store import Experts
 from studio.robot.a1 import CONTROL_DT
 from studio.robot.pose import ReferencePose, RobotState
@@ -81,28 +71,29 @@ class Puppeteer:
         believed (s, infinite before the first) calls for. shown: a motion that the robot does in
         place of the person's, who is to act it out.
         """
-        self._timings: dict[str, float] = {}
+        times = SectionTimes()
         fresh = self.person.see(human)
         if callable(command):
             command = command(self.person.age)
-        with self._section("retarget"):
+        with times("retarget"):
             watch = not self._go_on_from_here()
             mapped = self.retargeter.step(self.person.now, CONTROL_DT, watch=watch)
-        if shown is None:
+        if shown is not None:
+            self._placed = True
+        elif not self._placed:
             self._place_at_first_vote(mapped, command)
-        self._placed = self._placed or shown is not None
-        with self._section("controller"):
+        with times("controller"):
             wanted: StateName = self.lock or mapped.active  # type: ignore[assignment]
             reference = mapped.reference if mapped.active == wanted else None
             if shown is not None:
                 wanted, reference = shown
             control = self.controller.step(wanted, reference, command.directive, command.ramp)
-        with self._section("policy"):
+        with times("policy"):
             action = self.tracker.act(self._tracker_input(control))
-        with self._section("filter"):
+        with times("filter"):
             target = limit_target(self.low_pass.step(action), self._target)
-        with self._section("physics"):
-            self._damp(command.damping)
+        with times("physics"):
+            self.world.set_damping(command.damping)
             self.robot, self._target = self.world.step(target), target
         clipped = mapped.clipped and self.controller.following
         self.reason, why = command.reason, command.why
@@ -110,6 +101,7 @@ class Puppeteer:
             self.reason, why = why_still(self.person.age, mapped.expert, mapped.votes, self.lock)
         self._index += 1
         self._clipped += clipped
+        inference = sum(ms for section, ms in times.items() if section != "physics")
         if not command.damping and not self.fallen:
             contact, quat = self.robot.trunk_contact, self.robot.base_quat
             self.fallen = bool(metrics.fallen(contact, quat, control.reference.base_quat))
@@ -131,7 +123,7 @@ class Puppeteer:
             clipped=clipped,
             fallen=self.fallen,
             why=why,
-            timings_ms=self._timed(mapped),
+            timings_ms={**mapped.timings_ms, **times, "inference": inference},
             counters=self.counters,
         )
 
@@ -149,14 +141,7 @@ class Puppeteer:
     def forget_person(self, calibration: Calibration | None = None) -> None:
         """Another person, or another source, from here on; the robot stays as it is."""
         if calibration is not None:
-            self.retargeter = Retargeter(
-                self.retargeter.experts,
-                calibration,
-                mirror=self.config.mirror,
-                travel=self.config.travel == "auto",
-                settings=self.retargeter.settings,
-            )
-            self.retargeter.set_expert(self.lock)
+            self.retargeter = self.retargeter.for_person(calibration)
         self.retargeter.reset()
         self.person.forget()
         self.rejoin()
@@ -165,13 +150,9 @@ class Puppeteer:
         """Ease into the person's motion anew, from wherever the robot is."""
         self.controller.rejoin()
 
-    def calibrate_now(self) -> None:
-        """The way the person faces now is straight ahead."""
-        self.retargeter.extractor.calibrator.neutral_now()
-
     def place(self, state: StateName, *, here: bool = False) -> None:
         """The robot at rest in the neutral pose of `state`, at the origin or where it is."""
-        where = self.robot.base_pos[:2] if here else np.zeros(2)
+        where = self.robot.base_pos[:2] if here else None
         yaw = float(geometry.heading(self.robot.base_quat)) if here else 0.0
         self.controller.reset(state, where, yaw)
         self._restart()
@@ -202,19 +183,12 @@ class Puppeteer:
 
     def set_gain(self, name: str, value: float) -> None:
         """A slider: a name of LIMITS and a value within its range. StudioError otherwise."""
-        gain = {name: checked_gain(name, value)}
-        self.retargeter.settings = replace(self.retargeter.settings, **gain)
+        self.retargeter.settings = self.retargeter.settings.with_gain(name, value)
 
     @property
     def counters(self) -> dict[str, int]:
         """Totals since the last reset."""
         return {**self.person.counters, "clipped": self._clipped, "late": 0}
-
-    @property
-    def gains(self) -> dict[str, float]:
-        """The sliders as they are."""
-        settings = self.retargeter.settings
-        return {f.name: getattr(settings, f.name) for f in fields(RetargetSettings)}
 
     def set_mirror(self, mirror: bool) -> None:
         """Mirror the person from the next pose on."""
@@ -256,8 +230,6 @@ class Puppeteer:
 
     def _place_at_first_vote(self, mapped: Retargeted, command: DriveCommand) -> None:
         """The robot starts in the first voted state, unless it has been standing by already."""
-        if self._placed:
-            return
         if command.directive is not Directive.FOLLOW or self._waited > FIRST_VOTE:
             self._placed = True
         elif self.person.last is not None:
@@ -274,17 +246,3 @@ class Puppeteer:
             state=control.expert if control else self.controller.state,
             in_transition=control is not None and control.state == "transition",
         )
-
-    def _damp(self, on: bool) -> None:
-        if on != self.world.damping:
-            self.world.set_damping(on)
-
-    @contextmanager
-    def _section(self, name: str) -> Iterator[None]:
-        start = perf_counter()
-        yield
-        self._timings[name] = 1e3 * (perf_counter() - start)
-
-    def _timed(self, mapped: Retargeted) -> dict[str, float]:
-        inference = sum(ms for name, ms in self._timings.items() if name != "physics")
-        return {**mapped.timings_ms, **self._timings, "inference": inference}

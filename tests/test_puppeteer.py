@@ -5,14 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from studio.control.controller import Directive
-from studio.control.drive_command import LIMITS, DriveCommand, PuppeteerConfig
+from studio.control.drive_command import Directive, DriveCommand, PuppeteerConfig
 from studio.errors import StudioError
 from studio.human.calibration import calibrate
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.retarget.retargeter import Retargeter
+from studio.retarget.settings import LIMITS
 from studio.robot import a1
 from studio.synthetic.operator import OperatorSource
 
@@ -150,7 +150,7 @@ def test_sliders_take_what_is_in_range_and_say_what_would_be():
     puppeteer, _ = make()
     for name, (low, high) in LIMITS.items():
         puppeteer.set_gain(name, high)
-        assert puppeteer.gains[name] == high
+        assert getattr(puppeteer.retargeter.settings, name) == high
         with pytest.raises(StudioError, match="between"):
             puppeteer.set_gain(name, low - 1.0)
         with pytest.raises(StudioError, match="between"):

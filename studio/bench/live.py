@@ -1,31 +1,22 @@
 """How the live loop keeps time: with four socket clients, and beside a Chromium that draws."""
 
-import contextlib
 import json
 import os
 import shutil
-import socket
 import subprocess
-import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
-from urllib.error import URLError
-from urllib.request import Request, urlopen
+from urllib.request import urlopen
 
-from studio.bench.sockets import VIEW, page_socket
+from studio.bench.served import PAGE_LIMIT, TOKEN, VIEW, end, page_socket, served
 from studio.errors import StudioError
 
 CLIENTS = 4
-PAGE_LIMIT = 60.0
-"""s to wait for the server or the browser at most."""
 WARM_UP = 5.0
 """s that the browser draws before anything is counted: it compiles and fetches meshes first."""
-TOKEN = "bench-token-0123456789"
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 FLAGS = (
     "--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
@@ -43,48 +34,6 @@ _COUNT_FRAMES = """new Promise(done => {
   };
   view.requestAnimationFrame(step);
 })"""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Served:
-    """A server in its own process. printed, ready: s until its URL was printed and it answered."""
-
-    pid: int
-    port: int
-    url: str
-    printed: float
-    ready: float
-
-    def state(self) -> dict[str, Any]:
-        """GET /api/state."""
-        return json.loads(_get(self.port, "/api/state"))
-
-
-@contextlib.contextmanager
-def served(*options: str) -> Iterator[Served]:
-    """`a1-studio serve` with some more options, ended afterwards.
-
-    Raises StudioError when it does not start.
-    """
-    port = _free_port()
-    began = time.perf_counter()
-    server = subprocess.Popen(
-        [sys.executable, "-m", "studio", "serve", "--port", str(port), "--token", TOKEN, *options],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    try:
-        assert server.stdout is not None
-        url = server.stdout.readline().strip()
-        if not url:
-            raise StudioError(f"the server did not start: {_last_line(server)}")
-        printed = time.perf_counter() - began
-        _get(port, "/api/state")
-        ready = time.perf_counter() - began
-        yield Served(pid=server.pid, port=port, url=url, printed=printed, ready=ready)
-    finally:
-        _end(server)
 
 
 def live(seconds: float) -> dict[str, Any]:
@@ -135,7 +84,7 @@ def loop_beside_browser(seconds: float) -> dict[str, Any]:
             drawn = _frame_rate(Path(profile), seconds)
             state = server.state()
         finally:
-            _end(page)
+            end(page)
     after = state["counters"]
     return {
         "browser": Path(browser).name,
@@ -206,48 +155,9 @@ def _cpu_share(pid: int, seconds: float) -> float | None:
         return None
 
 
-def _get(port: int, path: str) -> str:
-    request = Request(
-        f"http://127.0.0.1:{port}{path}", headers={"Authorization": f"Bearer {TOKEN}"}
-    )
-    deadline = time.perf_counter() + PAGE_LIMIT
-    while True:
-        try:
-            with urlopen(request, timeout=5.0) as answer:
-                return answer.read().decode()
-        except (URLError, ConnectionError, TimeoutError) as error:
-            if time.perf_counter() > deadline:
-                raise StudioError(f"the server did not answer: {error}") from error
-            time.sleep(0.05)
-
-
 def _wait(true: Any, otherwise: str) -> None:
     deadline = time.perf_counter() + PAGE_LIMIT
     while not true():
         if time.perf_counter() > deadline:
             raise StudioError(f"{otherwise} within {PAGE_LIMIT:.0f} s")
         time.sleep(0.2)
-
-
-def _free_port() -> int:
-    with socket.socket() as s:
-        s.bind(("127.0.0.1", 0))
-        return int(s.getsockname()[1])
-
-
-def _end(process: "subprocess.Popen[Any]") -> None:
-    process.terminate()
-    try:
-        process.wait(10.0)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait(5.0)
-    for pipe in (process.stdout, process.stderr):
-        if pipe is not None:
-            pipe.close()
-
-
-def _last_line(server: "subprocess.Popen[str]") -> str:
-    server.wait(5.0)
-    lines = (server.stderr.read() if server.stderr else "").strip().splitlines()
-    return lines[-1] if lines else "it said nothing"

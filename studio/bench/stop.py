@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from studio.bench.flood import KINDS
-from studio.bench.live import CLIENTS, TOKEN, _end, served
+from studio.bench.live import CLIENTS
 from studio.bench.run import percentiles
-from studio.bench.sockets import page_socket
+from studio.bench.served import TOKEN, end, page_socket, served
 from studio.bench.takes import performed
 from studio.robot.a1 import CONTROL_DT
 from studio.synthetic.operator import OperatorSource
@@ -99,7 +99,7 @@ def client(kind: str, port: int, *more: str) -> Iterator[None]:
     try:
         yield
     finally:
-        _end(process)
+        end(process)
 
 
 def _post(port: int, path: str, body: Any = None) -> Any:

@@ -21,7 +21,7 @@ from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT, CONTROL_HZ
 from studio.sources import open_source
 from studio.takes.library import SessionLibrary
-from studio.takes.take import Recorder
+from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
 
 TAKES = 10_000

@@ -94,6 +94,6 @@ class OpenApi:
 
 def openapi(argv: Sequence[str]) -> Answer:
     tyro.cli(OpenApi, prog="a1-studio openapi", args=argv)
-    from studio.web.schema import openapi as schema
+    from studio.web.gateway import openapi as schema
 
     return schema()

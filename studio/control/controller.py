@@ -7,13 +7,13 @@ the robot, send it to stand or to rest, and is never refused.
 """
 
 from dataclasses import dataclass, replace
-from enum import Enum
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
 from studio.control import transition
+from studio.control.drive_command import Directive
 from studio.control.footing import between, facing, feet_w, solve, still, turn_z, with_velocity
 from studio.control.interpolation import minimum_jerk
 from studio.control.put_down import IN_THE_AIR, PutDown
@@ -27,22 +27,11 @@ Array = NDArray[np.float64]
 
 CROUCH_HEIGHT = 0.13
 """m, base height from which the robot stands up; the trunk is clear of the floor."""
+EASE = 0.6
+"""s in which the reference leaves a planned pose for the person's."""
 _ROUNDING: dict[StateName, float] = {"stand": 0.01, "walk": 0.1, "sit": 0.01}
 SPEED_LIMIT = {state: JOINT_SPEED[state] - np.radians(_ROUNDING[state]) for state in STATES}
 """rad/s, of the reference's joints: so little under JOINT_SPEED that rounding never crosses it."""
-
-
-class Directive(Enum):
-    """What safety asks of the controller."""
-
-    FOLLOW = "follow"
-    """Follow the person."""
-    HOLD = "hold"
-    """Keep the pose; while walking, slow down and put the swing feet down."""
-    REST = "rest"
-    """Go to the neutral pose of the present state."""
-    STAND = "stand"
-    """Go to neutral standing, out of a transition too."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,18 +49,10 @@ class Control:
     reference: ReferencePose
 
 
-@dataclass(frozen=True, kw_only=True)
-class ControllerConfig:
-    """ease: s in which the reference leaves a planned pose for the person's."""
-
-    ease: float = 0.6
-
-
 class Controller:
     """Remembers its state, the way it is on and its last reference. One thread only."""
 
-    def __init__(self, config: ControllerConfig | None = None) -> None:
-        self.config = config or ControllerConfig()
+    def __init__(self) -> None:
         self.reset("stand")
 
     def reset(self, state: StateName, base_xy: Array | None = None, yaw: float = 0.0) -> None:
@@ -145,7 +126,7 @@ class Controller:
         """
         wanted = self._wanted(wanted, directive)
         self._turn_back(directive)
-        self._ramp = self.config.ease if ramp is None else max(ramp, self.config.ease)
+        self._ramp = EASE if ramp is None else max(ramp, EASE)
         if self._path is None and self._put_down is None:
             self._leave(wanted, directive, follows=reference is not None)
         pose = self._advance(reference)

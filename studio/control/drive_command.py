@@ -1,10 +1,9 @@
-"""What whoever drives asks of the puppeteer: how to drive, the sliders, a command each period."""
+"""What whoever drives asks of the puppeteer: how to drive, a command each period."""
 
 from dataclasses import dataclass
+from enum import Enum
 from typing import Literal, get_args
 
-from studio.control.controller import Directive
-from studio.errors import StudioError, unknown_name
 from studio.options import Travel
 
 
@@ -12,7 +11,7 @@ from studio.options import Travel
 class PuppeteerConfig:
     """How to drive.
 
-    style: which human motion means walking. controller: a name of imitation.controllers, None for
+    style: which human motion means walking. controller: a name of control.trackers, None for
     the default. state: "auto" or the state to stay in. seed: of the world. mirror: as in a mirror.
     travel: "auto" walks through space beside a person who does, "off" reads marches alone.
     tilt_gain: times the trunk's tilt. dead_zone: rad of tilt ignored. speed_cap: m/s.
@@ -50,6 +49,19 @@ end; none changes its meaning."""
 REASONS: tuple[Reason, ...] = get_args(Reason)
 
 
+class Directive(Enum):
+    """What safety asks of the controller."""
+
+    FOLLOW = "follow"
+    """Follow the person."""
+    HOLD = "hold"
+    """Keep the pose; while walking, slow down and put the swing feet down."""
+    REST = "rest"
+    """Go to the neutral pose of the present state."""
+    STAND = "stand"
+    """Go to neutral standing, out of a transition too."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class DriveCommand:
     """What whoever keeps watch asks for in this period: see `control.staleness`, `live.safety`.
@@ -68,22 +80,3 @@ class DriveCommand:
 
 
 FOLLOW = DriveCommand()
-LIMITS: dict[str, tuple[float, float]] = {
-    "tilt_gain": (0.0, 2.0),
-    "dead_zone": (0.0, 0.5),
-    "speed_cap": (0.0, 1.5),
-}
-"""Ranges of the operator's sliders: a factor of the tilt, rad of tilt, m/s."""
-
-
-def checked_gain(name: str, value: float) -> float:
-    """The value, if it is within the range of a name of LIMITS, and in its unit.
-
-    Raises StudioError otherwise.
-    """
-    if name not in LIMITS:
-        raise unknown_name("gain", name, LIMITS)
-    low, high = LIMITS[name]
-    if not low <= value <= high:
-        raise StudioError(f"{name} must be between {low} and {high}, not {value}")
-    return float(value)

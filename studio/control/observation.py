@@ -1,21 +1,17 @@
 """Sensors, references and past actions → the policy's observation, the same live and in training.
 
 o_t = [z_{t-3..t}, a_{t-3..t-1}, p̄_{t-3..t}] (the paper's section on motion imitation), oldest
-first. z: 12 joint angles, roll, pitch, their rates and, by default, the gyro's yaw rate. p̄: 12
-joint angles, base height, roll, pitch, yaw rate, planar velocity in the reference's heading frame.
+first. z and p̄ of one period: `observation_frame`.
 """
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import geometry
 from studio.control import odometry
+from studio.control.observation_frame import REFERENCE_DIM
 from studio.errors import StudioError
-from studio.reference import scalars
-from studio.reference.intent import StateName
 from studio.robot import a1
 
 Array = NDArray[np.float64]
@@ -24,7 +20,6 @@ FRAMES = 4
 """Frames of z and of the reference in an observation."""
 PAST_ACTIONS = 3
 ACTION_DIM = 12
-REFERENCE_DIM = 18
 YAW_RATE, VELOCITY, GYRO_YAW = 15, slice(16, 18), 16
 """Places of yaw rate and planar velocity in p̄, and of the yaw rate in z."""
 HEADING_CLIP = 0.35
@@ -33,89 +28,6 @@ PLACE_CLIP = 0.25
 """m, likewise."""
 MAKES_UP_FROM = 0.02
 """m/s asked for from which missed way is made up for in full; less at less."""
-
-
-@cache
-def level_quat(state: StateName) -> tuple[float, float, float, float]:
-    """wxyz of the state's neutral trunk pitch, T_level_base.
-
-    Tilt is measured about the neutral pose of a state: a sitting trunk is nearly vertical, where
-    heading, roll and pitch of the trunk itself are singular.
-    """
-    from studio.reference.stances import NEUTRAL
-
-    w, x, y, z = NEUTRAL[state].base_quat
-    return float(w), float(x), float(y), float(z)
-
-
-def roll_pitch(quat: Array, level: Array = geometry.IDENTITY_QUAT) -> Array:
-    """(N, 2) rad, roll and pitch of the levelled trunk (N, 4) against its own world's vertical.
-
-    With u the world's z in the levelled frame: roll = atan2(u_y, u_z), pitch = −asin u_x. level:
-    (4,) T_level_base, the neutral tilt that is taken off.
-    """
-    up = geometry.up_in_body(quat) @ scalars.matrix(level.tolist()).T
-    out = np.empty(up.shape[:-1] + (2,))
-    out[..., 0] = np.arctan2(up[..., 1], up[..., 2])
-    out[..., 1] = np.arcsin(np.minimum(np.maximum(-up[..., 0], -1.0), 1.0))
-    return out
-
-
-def heading_of(quat: Array, level: Array) -> Array:
-    """(N,) rad heading of the trunk `quat` (N, 4) with the neutral tilt `level` (4,) taken off.
-
-    The levelled x axis, seen from the trunk, is the first row of R(level); turned into the world
-    and laid on the ground.
-    """
-    a, b, c = scalars.matrix(level.tolist())[0].tolist()
-    w, x, y, z = quat[..., 0], quat[..., 1], quat[..., 2], quat[..., 3]
-    east = (1 - 2 * (y * y + z * z)) * a + 2 * (x * y - w * z) * b + 2 * (x * z + w * y) * c
-    north = 2 * (x * y + w * z) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z - w * x) * c
-    return np.arctan2(north, east)
-
-
-def sensor_frame(
-    joint_pos: Array, imu_quat: Array, gyro_b: Array, level: Array, yaw_rate: bool = True
-) -> Array:
-    """z_t (N, 17), or the paper's (N, 16) without `yaw_rate`.
-
-    joint_pos: (N, 12) rad. imu_quat: (N, 4), trunk in a frame whose z opposes gravity. gyro_b:
-    (N, 3) rad/s, body. level: (4,) T_level_base of the state. The rates are those about the
-    levelled trunk's x, y and z.
-    """
-    rates = gyro_b @ scalars.matrix(level.tolist()).T
-    tilt = roll_pitch(imu_quat, level)
-    return np.concatenate([joint_pos, tilt, rates if yaw_rate else rates[..., :2]], axis=-1)
-
-
-def reference_frame(
-    joint_pos: Array,
-    base_height: Array,
-    base_quat: Array,
-    base_lin_vel_w: Array,
-    base_ang_vel_b: Array,
-    level: Array,
-) -> Array:
-    """p̄_t (N, 18) of reference poses: nothing in it needs odometry.
-
-    joint_pos (N, 12) rad; base_height (N,) m; base_quat (N, 4) and base_lin_vel_w (N, 3) m/s in
-    the world; base_ang_vel_b (N, 3) rad/s, body; level (4,) T_level_base. p̄: joints, height, roll
-    and pitch, the rate about the world's z, the velocity ahead and to the left.
-    """
-    yaw = heading_of(base_quat, level)
-    c, s = np.cos(yaw), np.sin(yaw)
-    vx, vy = base_lin_vel_w[..., 0], base_lin_vel_w[..., 1]
-    up = geometry.up_in_body(base_quat)
-    rx, ry, rz = base_ang_vel_b[..., 0], base_ang_vel_b[..., 1], base_ang_vel_b[..., 2]
-    out = np.empty(joint_pos.shape[:-1] + (REFERENCE_DIM,))
-    out[..., :12] = joint_pos
-    out[..., 12] = base_height
-    out[..., 13:15] = roll_pitch(base_quat, level)
-    # The vertical part of R(q) ω is the turning seen from above.
-    out[..., 15] = up[..., 0] * rx + up[..., 1] * ry + up[..., 2] * rz
-    out[..., 16] = c * vx + s * vy
-    out[..., 17] = -s * vx + c * vy
-    return out
 
 
 @dataclass(frozen=True, kw_only=True)

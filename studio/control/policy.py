@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 from safetensors import SafetensorError
 from safetensors.numpy import load_file, save_file
 
-from studio.control import single_observation as frames
 from studio.control.action import ActionConfig, clip_action, pd_target
 from studio.control.observation import History, ObservationConfig
+from studio.control.observation_frame import one_reference_frame, one_sensor_frame
 from studio.control.symmetry import observation_mirror
 from studio.errors import StudioError
 from studio.files import whole, write_whole
@@ -141,8 +141,8 @@ class Policy:
         return pd_target(output, p[:, :12], self.neutral, self.action_config)[0]
 
     def _frames(self, reference: ReferencePose, robot: RobotState) -> tuple[Array, Array]:
-        z = frames.sensor_frame(robot, self._level, self.observation.yaw_rate)
-        return z[None], frames.reference_frame(reference, self._level)[None]
+        z = one_sensor_frame(robot, self._level, self.observation.yaw_rate)
+        return z[None], one_reference_frame(reference, self._level)[None]
 
 
 def _observed(told: dict[str, Any]) -> ObservationConfig:

@@ -9,8 +9,7 @@
 
 from collections.abc import Mapping
 
-from studio.control.controller import Directive
-from studio.control.drive_command import DriveCommand, Reason
+from studio.control.drive_command import Directive, DriveCommand, Reason
 
 STALE_AFTER = 0.1
 HOLD_AFTER = 0.3

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
-from studio.control.observation import level_quat, reference_frame
+from studio.control.observation_frame import level_quat, reference_frame
 from studio.reference.consistency import limit_speed, make_consistent
 from studio.reference.motion import ReferenceMotion, backward_difference
 from studio.rl.bank import MotionBank

@@ -15,7 +15,6 @@ from studio.live.disk_writer import DiskWriter
 from studio.live.shown import QUIET_S, Place, PlanItem, at_rest, draw_motion
 from studio.reference.intent import Intent, StateName
 from studio.robot.pose import ReferencePose, RobotPose
-from studio.sources import Source
 from studio.takes.edit import edits
 from studio.takes.names import take_folder
 from studio.takes.record.recorder import Recorder
@@ -235,33 +234,3 @@ def as_calibration(calibration: Calibration) -> dict[str, Any]:
         "leg_length": round(float(calibration.leg_length), 4),
         "seconds": round(float(calibration.seconds), 2),
     }
-
-
-class Acting:
-    """Remembers the source that collecting has replaced by a person who acts out what is shown."""
-
-    def __init__(self) -> None:
-        self._before: tuple[Source, float] | None = None
-
-    def enter(self, source: Source, played: float) -> None:
-        """Keep `source`, which began `played` s ago and will go on from there."""
-        self._before = source, played
-
-    @property
-    def waiting(self) -> Source | None:
-        """The source that was replaced, if one was."""
-        return None if self._before is None else self._before[0]
-
-    def leave(self) -> tuple[Source, float] | None:
-        """What was kept, with its time (s); None when nothing was replaced."""
-        before, self._before = self._before, None
-        return before
-
-    def forget(self) -> None:
-        """Another source was chosen meanwhile."""
-        if self._before is not None:
-            self._before[0].close()
-            self._before = None
-
-
-__all__ = ["Acting", "Collector", "Shown", "as_calibration", "draw_slots"]

@@ -93,3 +93,30 @@ class Reading:
             log.exception("the source failed; the robot stands")
             self.ended = True
         return None
+
+
+class Acting:
+    """Remembers the source that collecting has replaced by a person who acts out what is shown."""
+
+    def __init__(self) -> None:
+        self._before: tuple[Source, float] | None = None
+
+    def enter(self, source: Source, played: float) -> None:
+        """Keep `source`, which began `played` s ago and will go on from there."""
+        self._before = source, played
+
+    @property
+    def waiting(self) -> Source | None:
+        """The source that was replaced, if one was."""
+        return None if self._before is None else self._before[0]
+
+    def leave(self) -> tuple[Source, float] | None:
+        """What was kept, with its time (s); None when nothing was replaced."""
+        before, self._before = self._before, None
+        return before
+
+    def forget(self) -> None:
+        """Another source was chosen meanwhile."""
+        if self._before is not None:
+            self._before[0].close()
+            self._before = None

@@ -9,9 +9,9 @@ from studio.control.drive_command import DriveCommand, PuppeteerConfig, Reason
 from studio.errors import StudioError
 from studio.human.calibration import Calibration, calibrate
 from studio.live.collect import Step
-from studio.live.collecting import Acting, Collector
+from studio.live.collecting import Collector
 from studio.live.mappers import SHIPPED, Mappers, OpenedMapper
-from studio.live.reading import OpenedSource, Reading, open_for
+from studio.live.reading import Acting, OpenedSource, Reading, open_for
 from studio.live.replay import Replay
 from studio.live.safety import Safety
 from studio.puppeteer import Puppeteer

@@ -11,8 +11,7 @@ It decides from times and flags that it is told, never from a clock of its own.
 
 from collections import deque
 
-from studio.control.controller import Directive
-from studio.control.drive_command import DriveCommand, Reason
+from studio.control.drive_command import Directive, DriveCommand, Reason
 from studio.control.staleness import EPS, stale_directive, stale_line
 
 PAGE_LOST_AFTER = 0.4

@@ -1,6 +1,7 @@
 """The loop as the object of GET /api/state: what it does, and why nothing moves if nothing does."""
 
 from collections import deque
+from dataclasses import asdict
 from itertools import islice
 from typing import TYPE_CHECKING, Any
 
@@ -56,7 +57,7 @@ def state_dict(
         "robot": part("robot", tick.robot, "trace"),
         "controller": puppeteer.tracker.name,
         "style": puppeteer.config.style,
-        "gains": puppeteer.gains,
+        "gains": asdict(puppeteer.retargeter.settings),
         "mirror": puppeteer.config.mirror,
         "travel": {
             "mode": puppeteer.config.travel,

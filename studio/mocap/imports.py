@@ -18,8 +18,9 @@ from studio.takes import commands
 from studio.takes.export import adding
 from studio.takes.library import SessionLibrary
 from studio.takes.names import check_take, slug, take_folder
-from studio.takes.record.recorder import TAPE
-from studio.takes.take import Recorder, Take
+from studio.takes.record.meta import TAPE
+from studio.takes.record.recorder import Recorder
+from studio.takes.take import Take
 from studio.takes.tick import Tick, tick_at_rest
 
 SUFFIXES = (".bvh", ".jsonl", ".json", ".ndjson")

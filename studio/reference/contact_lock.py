@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.reference import scalars
+from studio.reference.scalars import Vec
 from studio.robot import a1, single
 
 Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
-Vec = tuple[float, float, float]
 LEGS = range(4)
 _PULL_UP = 0.25  # `pull` at least, for the root's height
 _ZERO_HIPS = (0.0,) * 4
@@ -115,7 +115,7 @@ class ContactLock:
         stance = [i for i in LEGS if was[i] and want[i]]
         drift = (0.0, 0.0) if drift_vel_w is None else drift_vel_w[:2].tolist()
         base = self._carried(before, arm, anchor, stance, drift, dt)
-        base = _no_further(base, before, root_speed * dt)
+        base = scalars.no_further(base, before, root_speed * dt)
 
         foot_w: list[Vec] = []
         for i in LEGS:
@@ -151,7 +151,8 @@ class ContactLock:
         arm = [scalars.rotate(turn, foot) for foot in single.feet(joint_pos.tolist())]
         base: list[float] = self.base_pos.tolist()
         self._lag = [
-            math.dist(asked, _add(base, a)) for asked, a in zip(self._asked_w, arm, strict=True)
+            math.dist(asked, scalars.add(base, a))
+            for asked, a in zip(self._asked_w, arm, strict=True)
         ]
         for i in LEGS:
             # A foot that was to land but cannot get there in time is still in the air.
@@ -160,9 +161,9 @@ class ContactLock:
         stance = [i for i in LEGS if self.locked[i]]
         if not stance:
             return False
-        base = _mean_gap(self.anchor_w.tolist(), arm, stance)
+        base = scalars.mean_gap(self.anchor_w.tolist(), arm, stance)
         self.base_pos = np.array(base)
-        return self._settle_slips([_add(base, a) for a in arm])
+        return self._settle_slips([scalars.add(base, a) for a in arm])
 
     def _regrip(
         self,
@@ -203,11 +204,11 @@ class ContactLock:
             z += (a1.FOOT_RADIUS - min(a[2] for a in arm) - z) * pull
             return [x + drift[0] * dt, y + drift[1] * dt, z]
         if self._arm_w is not None:
-            step = _mean_gap(self._arm_w, arm, stance)
+            step = scalars.mean_gap(self._arm_w, arm, stance)
             share = min(dt / self.config.steady, 1.0) if self.config.steady > 0.0 else 1.0
             self._way = [w + share * (s - w) for w, s in zip(self._way, step[:2], strict=True)]
-            base = list(_add(base, (*self._way, step[2])))
-        home = _mean_gap(anchor, arm, stance)
+            base = list(scalars.add(base, (*self._way, step[2])))
+        home = scalars.mean_gap(anchor, arm, stance)
         pulls = (pull, pull, max(pull, _PULL_UP))
         return [b + p * (h - b) for b, h, p in zip(base, home, pulls, strict=True)]
 
@@ -220,7 +221,7 @@ class ContactLock:
         joint_pos, error = single.joints(foot_b, _ZERO_HIPS)
         if any(on and off > self.config.slip for on, off in zip(locked, error, strict=True)):
             reached = single.feet(joint_pos)
-            self._settle_slips([_add(base, scalars.rotate(turn, foot)) for foot in reached])
+            self._settle_slips([scalars.add(base, scalars.rotate(turn, foot)) for foot in reached])
         return np.array(joint_pos)
 
     def _settle_slips(self, foot_w: list[Vec]) -> bool:
@@ -237,20 +238,3 @@ def _swings(prob: float, off: float) -> float:
     """How surely a foot swings: 0 at the contact probability `off`, 1 at a quarter of it."""
     s = min(max((off - prob) / (0.75 * off), 0.0), 1.0)
     return s * s * (3.0 - 2.0 * s)
-
-
-def _add(a: Sequence[float], b: Sequence[float]) -> Vec:
-    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
-
-
-def _mean_gap(a: Sequence[Sequence[float]], b: list[Vec], legs: list[int]) -> list[float]:
-    """(3,) mean of a - b over some of the legs."""
-    return [sum([a[i][k] - b[i][k] for i in legs]) / len(legs) for k in range(3)]
-
-
-def _no_further(base: list[float], before: list[float], step: float) -> list[float]:
-    """A root (3,) m no further than `step` from where it was."""
-    way = math.dist(base, before)
-    if way <= step:
-        return base
-    return [b + (a - b) * (step / way) for a, b in zip(base, before, strict=True)]

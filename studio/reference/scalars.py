@@ -1,4 +1,4 @@
-"""Single rotations as plain floats: on one value these are ten times quicker than small arrays.
+"""Single rotations and points as plain floats: ten times quicker on one than small arrays.
 
 The same conventions and results as `studio.geometry`, for the control loop's innermost steps.
 """
@@ -83,3 +83,21 @@ def from_rotvec(r: Sequence[float]) -> tuple[float, float, float, float]:
     angle = math.sqrt(x * x + y * y + z * z)
     s = math.sin(0.5 * angle) / angle if angle > 1e-12 else 0.5
     return (math.cos(0.5 * angle), s * x, s * y, s * z)
+
+
+def add(a: Sequence[float], b: Sequence[float]) -> Vec:
+    """The sum of two points."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+def mean_gap(a: Sequence[Sequence[float]], b: list[Vec], rows: list[int]) -> list[float]:
+    """(3,) mean of a - b over some rows of two lists of points."""
+    return [sum([a[i][k] - b[i][k] for i in rows]) / len(rows) for k in range(3)]
+
+
+def no_further(point: list[float], before: list[float], step: float) -> list[float]:
+    """A point (3,) drawn back to no further than `step` from where it was."""
+    way = math.dist(point, before)
+    if way <= step:
+        return point
+    return [b + (a - b) * (step / way) for a, b in zip(point, before, strict=True)]

@@ -1,22 +1,20 @@
 """HumanPose -> features -> selector -> expert -> contact -> temporal -> ReferencePose."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import geometry
 from studio.human.calibration import Calibration
 from studio.human.features import FeatureExtractor, Features
 from studio.human.pose import HumanPose
 from studio.reference.intent import StateName
-from studio.reference.stances import NEUTRAL
+from studio.retarget.easing import Easing
 from studio.retarget.experts import EXPERTS
 from studio.retarget.foothold_planner import FootholdPlanner
-from studio.retarget.mapper import Expert, Mapped
+from studio.retarget.mapper import Expert
+from studio.retarget.section_times import SectionTimes
 from studio.retarget.selector import (
     SELECTOR_CUTOFF_HZ,
     Choice,
@@ -31,11 +29,6 @@ from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose
 
 Array = NDArray[np.float64]
-
-HOLD = 0.3
-"""s without a human pose before the reference eases to neutral."""
-EASE = 0.6
-"""s that easing to neutral (or back) takes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +97,7 @@ class Retargeter:
         self._filter.reset()
         self._features: Features | None = None
         self._choice: Choice | None = None
-        self._first, self._silence, self._ease = True, 0.0, 1.0
+        self._first, self._easing = True, Easing()
         self._planner.start("stand")
         self._begin()
 
@@ -120,6 +113,19 @@ class Retargeter:
     def set_expert(self, name: str | None) -> None:
         """Lock the state (None: automatic). StudioError for an unknown name."""
         self.selector.set_lock(name)
+
+    def for_person(self, calibration: Calibration) -> "Retargeter":
+        """One like this for another person, from the start: all but what was seen stays."""
+        other = Retargeter(
+            self.experts,
+            calibration,
+            mirror=self.extractor.mirror,
+            selector=self.selector.config,
+            settings=self.settings,
+            travel=self.travel,
+        )
+        other.set_expert(self.selector.lock)
+        return other
 
     def use(self, experts: Experts) -> None:
         """Other experts from the next frame on; person, place and lock stay."""
@@ -137,40 +143,32 @@ class Retargeter:
 
         watch: only see and select; the reference stays as it was, until `continue_from`.
         """
-        clock = perf_counter()
-        timings: dict[str, float] = {}
-
-        def lap(section: str) -> None:
-            nonlocal clock
-            now = perf_counter()
-            timings[section] = 1e3 * (now - clock)
-            clock = now
-
-        self._silence = 0.0 if pose is not None else self._silence + dt
-        self._see(pose)
-        lap("features")
+        times = SectionTimes()
+        with times("features"):
+            self._see(pose)
         if self._features is None:
-            return self._idle(timings)
-        triplet = np.concatenate([self._features.q, self._features.qd, self._features.qdd])
-        if pose is not None or self._choice is None:
-            self._choice = self.selector.step(self._filter.step(triplet))
-        choice = self._choice
-        # Whoever crosses the room walks, however their legs look to the selector.
-        active = "walk" if self.travels and choice.active == "stand" else choice.active
-        self._enter(self.selector.lock or active)  # type: ignore[arg-type]
-        lap("selector")
+            return self._idle(times)
+        with times("selector"):
+            triplet = np.concatenate([self._features.q, self._features.qd, self._features.qdd])
+            if pose is not None or self._choice is None:
+                self._choice = self.selector.step(self._filter.step(triplet))
+            choice = self._choice
+            # Whoever crosses the room walks, however their legs look to the selector.
+            active = "walk" if self.travels and choice.active == "stand" else choice.active
+            self._enter(self.selector.lock or active)  # type: ignore[arg-type]
         # Whoever locks a state wants it driven, however far the motion is from the training data.
         unknown = choice.expert == "unknown" and self.selector.lock is None and not self.travels
-        self._ease_on(unknown or self._silence > HOLD, dt)
+        self._easing.step(unknown, pose is not None, dt)
         reference, clipped = self._planner.last, False
         contact_prob = reference.foot_contact
         expert = self._expert_of(self._planner.state)
-        mapped = None if watch and not expert.remembers else self._expert(triplet)
-        lap("mapper")
-        if mapped is not None and not watch:
-            contact_prob = mapped.contact_prob
-            reference, clipped = self._planner.step(self._toward_neutral(mapped), dt)
-        lap("consistency")
+        with times("mapper"):
+            mapped = None if watch and not expert.remembers else self._expert(triplet)
+        with times("consistency"):
+            if mapped is not None and not watch:
+                contact_prob = mapped.contact_prob
+                mapped = self._easing.toward_neutral(mapped, self._planner.state)
+                reference, clipped = self._planner.step(mapped, dt)
         return Retargeted(
             expert=choice.expert,
             active=self._planner.state,
@@ -180,7 +178,7 @@ class Retargeter:
             contact_prob=contact_prob,
             clipped=clipped,
             features=self._features,
-            timings_ms=timings,
+            timings_ms=times,
         )
 
     def _enter(self, state: StateName) -> None:
@@ -212,7 +210,7 @@ class Retargeter:
         self.path.mirror = extractor.mirror
         self.path.see(pose, extractor.calibrator.leg_length)
         if self.path.found and not known and self.travel and self._planner.state == "walk":
-            self._ease = 0.0
+            self._easing.restart()
             self._begin()
 
     @property
@@ -228,30 +226,7 @@ class Retargeter:
         self._first = False
         self._planner.continue_from(pose, yaw)
 
-    def _ease_on(self, lost: bool, dt: float) -> None:
-        """Towards neutral while the person is lost, and back."""
-        self._ease = min(max(self._ease + (-dt if lost else dt) / EASE, 0.0), 1.0)
-
-    def _toward_neutral(self, mapped: Mapped) -> Mapped:
-        """The mapped frame, blended to the state's neutral pose by how far that has gone."""
-        s = self._ease * self._ease * (3.0 - 2.0 * self._ease)
-        if s >= 1.0:
-            return mapped
-        rest = NEUTRAL[self._planner.state]
-        return Mapped(
-            joint_pos=rest.joint_pos + s * (mapped.joint_pos - rest.joint_pos),
-            base_quat=geometry.quat_slerp(rest.base_quat, mapped.base_quat, np.float64(s)),
-            rates=s * mapped.rates,
-            contact_prob=rest.foot_contact + s * (mapped.contact_prob - rest.foot_contact),
-            turn=None if mapped.turn is None else s * mapped.turn,
-        )
-
-    @property
-    def slips(self) -> int:
-        """Locked feet that could not be held and were locked anew, since the start."""
-        return self._planner.slips
-
-    def _idle(self, timings: Mapping[str, float]) -> Retargeted:
+    def _idle(self, times: SectionTimes) -> Retargeted:
         share = {name: 0.0 for name in EXPERTS}
         return Retargeted(
             expert="unknown",
@@ -262,5 +237,5 @@ class Retargeter:
             contact_prob=self._planner.last.foot_contact,
             clipped=False,
             features=None,
-            timings_ms=dict(timings),
+            timings_ms=times,
         )

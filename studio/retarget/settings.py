@@ -1,11 +1,12 @@
 """What a user tunes while driving: tilt gain, dead zone, speed cap; and how each one acts."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.errors import StudioError, unknown_name
 from studio.reference import scalars
 from studio.robot import a1, kinematics
 
@@ -14,6 +15,14 @@ Array = NDArray[np.float64]
 MAX_TILT = math.radians(40.0)
 """The trunk is never tilted further from its neutral than this: the paper's range, and as far as
 standing legs reach. People twist by 100 degrees; mappers then say 48, and feet are torn off."""
+
+
+LIMITS: dict[str, tuple[float, float]] = {
+    "tilt_gain": (0.0, 2.0),
+    "dead_zone": (0.0, 0.5),
+    "speed_cap": (0.0, 1.5),
+}
+"""Ranges of the operator's sliders: a factor of the tilt, rad of tilt, m/s."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,6 +34,23 @@ class RetargetSettings:
     tilt_gain: float = 1.0
     dead_zone: float = 0.0
     speed_cap: float = float("inf")
+
+    def with_gain(self, name: str, value: float) -> "RetargetSettings":
+        """The same but for one slider: errors as `checked_gain`."""
+        return replace(self, **{name: checked_gain(name, value)})
+
+
+def checked_gain(name: str, value: float) -> float:
+    """The value, if it is within the range of a name of LIMITS, and in its unit.
+
+    Raises StudioError otherwise.
+    """
+    if name not in LIMITS:
+        raise unknown_name("gain", name, LIMITS)
+    low, high = LIMITS[name]
+    if not low <= value <= high:
+        raise StudioError(f"{name} must be between {low} and {high}, not {value}")
+    return float(value)
 
 
 def shape_tilt(quat: Array, neutral: Array, settings: RetargetSettings) -> Array:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
-from studio.control.observation import heading_of, level_quat, reference_frame
+from studio.control.observation_frame import heading_of, level_quat, reference_frame
 from studio.errors import StudioError
 from studio.reference.intent import StateName
 from studio.reference.motion import ReferenceMotion, backward_difference

@@ -6,8 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.control.action import clip_action, pd_target
-from studio.control.observation import History, sensor_frame
-from studio.control.odometry import CONTACT_GAP, turned
+from studio.control.observation import History
+from studio.control.observation_frame import sensor_frame
+from studio.control.odometry import turned
+from studio.reference.stances import NEUTRAL
 from studio.rl.bank import MotionBank
 from studio.rl.curriculum import Curriculum, stages
 from studio.rl.env_config import EnvConfig
@@ -37,7 +39,7 @@ class ImitationEnv(TrackingRobots):
         self.rng = np.random.default_rng(seed)
         super().__init__(config, bank, int(self.rng.integers(2**31)))
         self.curriculum = curriculum or Curriculum(ladder=stages(bank.tasks))
-        self.neutral = neutral_joints(bank)
+        self.neutral = NEUTRAL[bank.state].joint_pos
         self.history = History(n, config.observation)
         self.noise = ReferenceNoise(n, config.noise, self.rng)
         self.lowpass = LowPass(config.action.cutoff_hz)
@@ -164,7 +166,7 @@ class ImitationEnv(TrackingRobots):
         self._noisy[ids] = self.noise.reset(ids, clean, self.config.noise_scale)
         if bank.seen is not None:
             self._noisy[ids] = bank.seen[m, self.frame[ids]]
-        self.history.reset(ids, self._sensors(ids), self._noisy[ids], self._foot_sensors(ids))
+        self.history.reset(ids, self._sensors(ids), self._noisy[ids], self.foot_sensors(ids))
         if not self.config.evaluation:
             self._lead_astray(ids)
 
@@ -237,20 +239,4 @@ class ImitationEnv(TrackingRobots):
     def _sense(self) -> None:
         bank, at = self.bank, (self.motion, self.frame)
         self._noisy = self.noise.step(bank.feature[at]) if bank.seen is None else bank.seen[at]
-        self.history.push(self._sensors(), self._noisy, self._foot_sensors())
-
-    def _foot_sensors(self, ids: Robots = EVERYONE) -> Array:
-        """(n, 4) which feet touch the ground; only read where the place is held."""
-        w = self.world
-        pos = w.base_pos[ids]
-        if not self.config.observation.place_gain:
-            return np.zeros((len(pos), 4))
-        feet = kinematics.foot_pos_w(pos, w.base_quat[ids], w.joint_pos[ids])
-        return (feet[..., 2] < a1.FOOT_RADIUS + CONTACT_GAP).astype(np.float64)
-
-
-def neutral_joints(bank: MotionBank) -> Array:
-    """(12,) rad neutral joint angles of the bank's state."""
-    from studio.reference.stances import NEUTRAL
-
-    return NEUTRAL[bank.state].joint_pos
+        self.history.push(self._sensors(), self._noisy, self.foot_sensors())

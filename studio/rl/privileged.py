@@ -15,7 +15,7 @@ from safetensors.numpy import load_file
 
 from studio import geometry
 from studio.control.action import ACTION_CLIP
-from studio.control.observation import roll_pitch
+from studio.control.observation_frame import roll_pitch
 from studio.control.policy import Network
 from studio.errors import StudioError
 from studio.rl.env import ImitationEnv

@@ -2,8 +2,9 @@
 
 from studio.synthetic.body import Body
 from studio.synthetic.exercises import exercise, labels, squats
+from studio.synthetic.habits import Habits
 from studio.synthetic.perform import Performance, Performer, perform, play
-from studio.synthetic.person import FAMILIES, Habits, Person
+from studio.synthetic.person import FAMILIES, Person
 from studio.synthetic.sensor import SENSORS, Sensor
 
 __all__ = [

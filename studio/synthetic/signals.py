@@ -55,6 +55,11 @@ def of_track(track: IntentTrack) -> Array:
     return out
 
 
+def leg_phase(phase: Array) -> Array:
+    """(T, 2) phase of the (right, left) leg in [0, 1); the left foot lifts at 0."""
+    return (phase[:, None] + np.array([0.5, 0.0])) % 1.0
+
+
 def smoothstep(x: Array) -> Array:
     """3x^2 - 2x^3 of x (...) on [0, 1], flat outside."""
     x = np.clip(x, 0.0, 1.0)

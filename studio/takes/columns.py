@@ -25,7 +25,7 @@ from studio.human.skeleton import NUM_JOINTS
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotState
 from studio.takes.record import codec
-from studio.takes.record.recorder import TAPE
+from studio.takes.record.meta import TAPE
 from studio.takes.record.tape import TapeScan
 from studio.takes.stored import read_json
 from studio.takes.tick import STREAMS, Field, Tick, fields_in

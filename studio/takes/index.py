@@ -13,7 +13,7 @@ import msgspec
 from studio.errors import StudioError
 from studio.files import write_whole
 from studio.takes.listing import TakeInfo
-from studio.takes.record.recorder import META, TAPE
+from studio.takes.record.meta import META, TAPE
 from studio.takes.stored import read_json
 
 INDEX = ".index.json"

@@ -13,7 +13,7 @@ from studio.takes.edit.edits import EDITS, EditLog
 from studio.takes.export.adding import add_take
 from studio.takes.listing import TakeInfo, examine, is_recording, verified
 from studio.takes.names import take_folder
-from studio.takes.record.recorder import META, TAPE
+from studio.takes.record.meta import META, TAPE
 from studio.takes.take import Take, read_take
 
 Rows = list[dict[str, Any]]

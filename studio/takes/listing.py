@@ -12,8 +12,8 @@ from studio.takes.columns import known_problem
 from studio.takes.edit import edits as edit_log
 from studio.takes.edit.edits import EditLog
 from studio.takes.names import take_folder
-from studio.takes.record.recorder import TAPE
-from studio.takes.take import MetaLost, read_meta, survey_take
+from studio.takes.record.meta import TAPE, MetaLost, read_meta
+from studio.takes.take import survey_take
 
 log = logging.getLogger(__name__)
 

@@ -1,13 +1,11 @@
 """A take's folder back to what happened: ticks one by one, or arrays of all of them."""
 
-import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
@@ -16,15 +14,11 @@ from studio.human.pose import HumanClip
 from studio.robot import a1
 from studio.takes.edit.edits import Edits, read_edits
 from studio.takes.record import codec
-from studio.takes.record.recorder import FORMAT_VERSION, META, TAPE, Recorder
+from studio.takes.record.meta import META, TAPE, MetaLost, read_meta
 from studio.takes.record.tape import TapeScan
-from studio.takes.stored import Count, Line, Name, Seconds, read_json
 from studio.takes.tick import Tick, fields_in
 
-__all__ = ["Recorder", "Take", "TakeArrays", "iter_ticks", "read_meta", "read_take", "survey_take"]
-
 Array = NDArray[np.float64]
-log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,56 +103,6 @@ def _stack(values: Sequence[Any], stream: str) -> dict[str, Any]:
         else:
             out[field.attr] = np.array(column, kind) if kind in (bool, int, float) else column
     return out
-
-
-class _Collected(msgspec.Struct):
-    task: Name = ""
-    state: Name = ""
-    operator: Name = ""
-    session: Name = ""
-
-
-class _About(msgspec.Struct):
-    source: Line = ""
-    style: Name = ""
-    robot: Name = ""
-    collect: _Collected | None = None
-
-
-class _Meta(msgspec.Struct):
-    """The types of what others read from meta.json; more may be in it."""
-
-    label: Line = ""
-    started: Name = ""
-    ticks: Count = 0
-    seconds: Seconds = 0.0
-    about: _About | None = None
-
-
-_meta = msgspec.json.Decoder(dict[str, Any])
-
-
-class MetaLost(StudioError):
-    """meta.json is missing or damaged: the tape can still be read."""
-
-
-def read_meta(folder: Path) -> dict[str, Any]:
-    """A take's meta.json; StudioError if it is missing, damaged or of another major version."""
-    try:
-        meta = read_json(folder / META, _meta)
-        version = meta["format_version"]
-        if version == FORMAT_VERSION:
-            msgspec.convert(meta, _Meta)
-    except (OSError, ValueError, KeyError, msgspec.MsgspecError) as error:
-        raise MetaLost(f"{META} of take {folder.name} is missing or damaged") from error
-    if version != FORMAT_VERSION:
-        by = str(meta.get("studio_version", "version unknown"))[:20]
-        raise StudioError(
-            f"take {folder.name} has format {str(version)[:20]}, this studio reads"
-            f" {FORMAT_VERSION}: open it with the a1-studio it was recorded with ({by}), export"
-            " the person there as BVH or JSON lines, and import that"
-        )
-    return meta
 
 
 @dataclass(frozen=True, kw_only=True)

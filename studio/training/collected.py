@@ -14,7 +14,7 @@ import logging
 import shutil
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
@@ -35,14 +35,13 @@ from studio.training.machine import commit
 from studio.training.mapper_fit import MapperTraining, fit_expert, score
 from studio.training.mapper_net import MapperNet
 from studio.training.operator_pairs import PairSet, mirrored
-from studio.training.take_pairs import TakePairs, read_pairs
+from studio.training.take_pairs import Split, read_pairs, split_pairs
 
 log = logging.getLogger(__name__)
 Say = Callable[[dict[str, Any]], None]
 
 MIN_PAIRS = 60
 """Two seconds: with less a state keeps the shipped expert."""
-HELD_OUT = 0.2
 SCORED = 2000
 """Held-out frames that are scored at most: a search for the nearest pair takes as long as there are
 pairs, for each of them."""
@@ -76,16 +75,6 @@ class TakesTraining:
     learning_rate: float = 0.0
     input_noise: float = 0.2
     progress: Path | None = None
-
-
-@dataclass(frozen=True, kw_only=True)
-class Split:
-    """A state's pairs: learnt from, and held out. how: in words, for the sidecar."""
-
-    known: PairSet
-    held: PairSet
-    how: str
-    takes: tuple[str, ...] = field(default=())
 
 
 def run_train_takes(config: TakesTraining) -> dict[str, Any]:
@@ -209,35 +198,6 @@ def train_state(
     return tensors, facts
 
 
-def split_pairs(parts: Mapping[str, PairSet]) -> Split:
-    """Hold out a fifth: whole takes where there are at least five, else the end of each.
-
-    Whole takes are the harder test: another motion, not the rest of one that was learnt.
-    """
-    names = sorted(parts)
-    if len(names) >= 5:
-        last = max(1, round(HELD_OUT * len(names)))
-        known, held = names[:-last], names[-last:]
-        return Split(
-            known=PairSet.join([parts[n] for n in known]),
-            held=PairSet.join([parts[n] for n in held]),
-            how=f"{last} whole take{'s' if last > 1 else ''} of {len(names)}",
-            takes=tuple(names),
-        )
-    first, second = [], []
-    for name in names:
-        cut = round((1.0 - HELD_OUT) * len(parts[name]))
-        rows = np.arange(len(parts[name]))
-        first.append(parts[name].take(rows[:cut]))
-        second.append(parts[name].take(rows[cut:]))
-    return Split(
-        known=PairSet.join(first),
-        held=PairSet.join(second),
-        how="the last fifth of each take",
-        takes=tuple(names),
-    )
-
-
 def write_mapper(
     out: Path, style: str, tensors: Mapping[str, Mapping[str, Any]], about: Mapping[str, Any]
 ) -> None:
@@ -279,6 +239,3 @@ def _teller(file: Path | None) -> Say:
             f.write(json.dumps({**event, "t": round(time.perf_counter() - began, 2)}) + "\n")
 
     return say
-
-
-__all__ = ["TakePairs", "TakesTraining", "run_train_takes"]

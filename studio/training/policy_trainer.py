@@ -12,7 +12,7 @@ from typing import Any, cast
 import numpy as np
 import torch
 
-from studio.control.observation import level_quat
+from studio.control.observation_frame import level_quat
 from studio.control.policy import manifest_of
 from studio.errors import StudioError
 from studio.rl.env import ImitationEnv

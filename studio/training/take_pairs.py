@@ -1,7 +1,10 @@
-"""A data set version, made from takes as their edits leave them, to what a mapper learns from."""
+"""A data set version, made from takes as their edits leave them, to what a mapper learns from.
+
+And what is held out of it, to tell what the mapper is worth.
+"""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +15,9 @@ from studio.takes.dataset import datasets
 from studio.takes.dataset.datasets import DataSet
 from studio.takes.library import SessionLibrary
 from studio.training.operator_pairs import PairSet
+
+HELD_OUT = 0.2
+"""Share of a state's pairs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,3 +83,42 @@ def _pair_set(data: DataSet, rows: np.ndarray) -> PairSet:
     values = {name: value[rows] for name, value in data.arrays.items()}
     triplet = np.concatenate([values["q"], values["qd"], values["qdd"]], axis=1)
     return PairSet.of(triplet, values, values["take"])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Split:
+    """A state's pairs: learnt from, and held out. how: in words, for the sidecar."""
+
+    known: PairSet
+    held: PairSet
+    how: str
+    takes: tuple[str, ...] = field(default=())
+
+
+def split_pairs(parts: Mapping[str, PairSet]) -> Split:
+    """Hold out a fifth: whole takes where there are at least five, else the end of each.
+
+    Whole takes are the harder test: another motion, not the rest of one that was learnt.
+    """
+    names = sorted(parts)
+    if len(names) >= 5:
+        last = max(1, round(HELD_OUT * len(names)))
+        known, held = names[:-last], names[-last:]
+        return Split(
+            known=PairSet.join([parts[n] for n in known]),
+            held=PairSet.join([parts[n] for n in held]),
+            how=f"{last} whole take{'s' if last > 1 else ''} of {len(names)}",
+            takes=tuple(names),
+        )
+    first, second = [], []
+    for name in names:
+        cut = round((1.0 - HELD_OUT) * len(parts[name]))
+        rows = np.arange(len(parts[name]))
+        first.append(parts[name].take(rows[:cut]))
+        second.append(parts[name].take(rows[cut:]))
+    return Split(
+        known=PairSet.join(first),
+        held=PairSet.join(second),
+        how="the last fifth of each take",
+        takes=tuple(names),
+    )

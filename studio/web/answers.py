@@ -6,7 +6,6 @@ type names every key that is sent (a test compares them), so that the schema hid
 
 from typing import Annotated, Any, Literal, NotRequired
 
-from pydantic import TypeAdapter
 from typing_extensions import TypedDict
 
 from studio.control.drive_command import Reason
@@ -19,7 +18,6 @@ from studio.reference.intent import STATES
 from studio.reference.library import TASKS
 from studio.retarget.store import STYLES
 
-PARTS = "#/components/schemas/"
 Mode = Annotated[str, OneOf("mode", MODES)]
 Style = Annotated[str, OneOf("style", STYLES)]
 Controller = Annotated[str, OneOf("controller", CONTROLLERS)]
@@ -178,18 +176,6 @@ class SourceReport(TypedDict):
     notes: list[str]
 
 
-class JointMapAnswer(TypedDict):
-    """GET /api/joint-map. joints: the file's own. found: ours to the file's. missing, needed: ours.
-    map: what was said by hand: the file's joints, whose middle it is; [] for none of them."""
-
-    source: str
-    joints: list[str]
-    found: dict[str, list[str]]
-    missing: list[str]
-    needed: list[str]
-    map: dict[str, list[str]]
-
-
 class Following(TypedDict):
     """Whether the robot walks through space beside the person: asked for, they were found to move
     so, and they do now."""
@@ -256,36 +242,3 @@ class Judged(State):
 def answers(kind: Any) -> dict[str, Any]:
     """Options of a route whose answer the schema is to describe as `kind`, without checking it."""
     return {"response_model": None, "responses": {200: {"model": kind}}}
-
-
-def with_messages(schema: dict[str, Any]) -> dict[str, Any]:
-    """An OpenAPI schema with what the sockets send, which OpenAPI has no paths for.
-
-    What is sent has every key that has a default, too: only a request may leave one out.
-    """
-    kinds = [(kind, "serialization", TypeAdapter(kind)) for kind in (TickMessage, StateMessage)]
-    _, found = TypeAdapter.json_schemas(
-        kinds,  # type: ignore[arg-type]
-        ref_template=f"{PARTS}{{model}}",
-    )
-    parts = schema["components"]["schemas"]
-    parts |= found["$defs"]
-    routes = [route for path in schema["paths"].values() for route in path.values()]
-    asked = _named([route.get("requestBody") for route in routes], parts)
-    for name in parts.keys() - asked:
-        part = parts[name]
-        always = [key for key, value in part.get("properties", {}).items() if "default" in value]
-        if always:
-            part["required"] = list(dict.fromkeys([*part.get("required", ()), *always]))
-    return schema
-
-
-def _named(node: Any, parts: dict[str, Any]) -> set[str]:
-    """Names of the parts of a schema that `node` refers to, whatever lies between."""
-    if isinstance(node, list):
-        return {name for item in node for name in _named(item, parts)}
-    if not isinstance(node, dict):
-        return set()
-    name = str(node.get("$ref", "")).removeprefix(PARTS)
-    inner = _named(parts[name], parts) | {name} if name else set()
-    return inner | _named(list(node.values()), parts)

@@ -6,7 +6,7 @@ from typing import Any
 from studio.errors import StudioError
 from studio.mocap.imports import SUFFIXES, import_take
 from studio.takes.export import adding
-from studio.takes.record.recorder import TAPE
+from studio.takes.record.meta import TAPE
 
 KINDS = (
     f"send a take (its {TAPE}, with meta.json), a .zip of takes, a .bvh or human frames (.jsonl)"

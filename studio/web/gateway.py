@@ -1,5 +1,6 @@
 """The one public port: page, API, sockets and the framed 3-D view, behind one door."""
 
+import tempfile
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
@@ -15,18 +16,23 @@ from starlette.types import ASGIApp
 
 import studio
 from studio.live.command import misfit
+from studio.live.loop import LiveLoop
+from studio.live.runtime import RuntimeConfig
 from studio.paths import package_folder
-from studio.web.access import AccessMiddleware
-from studio.web.answers import with_messages
+from studio.web.access import AccessConfig, AccessMiddleware
 from studio.web.collect_api import collect_router
 from studio.web.commands_api import commands_router
+from studio.web.desk import ControlDesk
+from studio.web.feed import TickFeed
 from studio.web.files_api import files_router
 from studio.web.health_api import health_router
 from studio.web.hub import Hub
 from studio.web.inner import InnerViser
 from studio.web.joint_map_api import joint_map_router
+from studio.web.keeper import Keeper
 from studio.web.relay import view_router
 from studio.web.review_api import review_router
+from studio.web.schema import with_messages
 from studio.web.sockets import sockets_router
 from studio.web.takes_api import takes_router
 from studio.web.train_api import train_router
@@ -72,6 +78,25 @@ def create_api(hub: Hub) -> FastAPI:
     plain_schema = app.openapi
     app.openapi = lambda: with_messages(plain_schema())  # type: ignore[method-assign]
     return app
+
+
+def openapi() -> dict[str, Any]:
+    """The API's schema without a server, as `a1-studio openapi` prints it: OpenAPI 3.1."""
+    with tempfile.TemporaryDirectory(prefix="a1-studio-") as folder:
+        loop = LiveLoop(RuntimeConfig(source="operator:quiet", sessions=Path(folder)))
+        hub = Hub(
+            loop=loop,
+            access=AccessConfig(token="none", host="127.0.0.1", port=0),
+            desk=ControlDesk(loop.post, loop.beat, loop.silent),
+            feed=TickFeed(loop.ticks),
+            keeper=Keeper(loop, {}),
+            sessions=Path(folder),
+            scratch=Path(folder),
+        )
+        try:
+            return create_api(hub).openapi()
+        finally:
+            hub.close()
 
 
 def create_app(hub: Hub, inner: InnerViser | None) -> ASGIApp:

@@ -6,6 +6,7 @@ from typing import Any
 
 from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
+from typing_extensions import TypedDict
 
 from studio.errors import StudioError
 from studio.human.joint_names import MAPPABLE, NEEDED, guess_joints
@@ -14,7 +15,7 @@ from studio.mocap.bvh import read_joints
 from studio.mocap.bvh_header import Hierarchy
 from studio.mocap.joint_maps import JointMaps, joint_map_of
 from studio.sources import open_source
-from studio.web.answers import JointMapAnswer, State, answers
+from studio.web.answers import State, answers
 from studio.web.hub import Hub, refused
 
 
@@ -24,6 +25,18 @@ class JointMapBody(BaseModel):
 
     map: dict[str, Any] = Field(max_length=64)
     source: str | None = Field(default=None, max_length=1024)
+
+
+class JointMapAnswer(TypedDict):
+    """GET /api/joint-map. joints: the file's own. found: ours to the file's. missing, needed: ours.
+    map: what was said by hand: the file's joints, whose middle it is; [] for none of them."""
+
+    source: str
+    joints: list[str]
+    found: dict[str, list[str]]
+    missing: list[str]
+    needed: list[str]
+    map: dict[str, list[str]]
 
 
 def joint_map_router(hub: Hub) -> APIRouter:

@@ -1,33 +1,42 @@
-"""The API's schema without a server: what `a1-studio openapi` prints."""
+"""The API's schema, with what the sockets send, which OpenAPI has no paths for."""
 
-import tempfile
-from pathlib import Path
 from typing import Any
 
-from studio.live.loop import LiveLoop
-from studio.live.runtime import RuntimeConfig
-from studio.web.access import AccessConfig
-from studio.web.desk import ControlDesk
-from studio.web.feed import TickFeed
-from studio.web.gateway import create_api
-from studio.web.hub import Hub
-from studio.web.keeper import Keeper
+from pydantic import TypeAdapter
+
+from studio.web.answers import StateMessage, TickMessage
+
+PARTS = "#/components/schemas/"
 
 
-def openapi() -> dict[str, Any]:
-    """OpenAPI 3.1 of every path, with what the sockets send among its components."""
-    with tempfile.TemporaryDirectory(prefix="a1-studio-") as folder:
-        loop = LiveLoop(RuntimeConfig(source="operator:quiet", sessions=Path(folder)))
-        hub = Hub(
-            loop=loop,
-            access=AccessConfig(token="none", host="127.0.0.1", port=0),
-            desk=ControlDesk(loop.post, loop.beat, loop.silent),
-            feed=TickFeed(loop.ticks),
-            keeper=Keeper(loop, {}),
-            sessions=Path(folder),
-            scratch=Path(folder),
-        )
-        try:
-            return create_api(hub).openapi()
-        finally:
-            hub.close()
+def with_messages(schema: dict[str, Any]) -> dict[str, Any]:
+    """An OpenAPI schema with the sockets' messages among its components.
+
+    What is sent has every key that has a default, too: only a request may leave one out.
+    """
+    kinds = [(kind, "serialization", TypeAdapter(kind)) for kind in (TickMessage, StateMessage)]
+    _, found = TypeAdapter.json_schemas(
+        kinds,  # type: ignore[arg-type]
+        ref_template=f"{PARTS}{{model}}",
+    )
+    parts = schema["components"]["schemas"]
+    parts |= found["$defs"]
+    routes = [route for path in schema["paths"].values() for route in path.values()]
+    asked = _named([route.get("requestBody") for route in routes], parts)
+    for name in parts.keys() - asked:
+        part = parts[name]
+        always = [key for key, value in part.get("properties", {}).items() if "default" in value]
+        if always:
+            part["required"] = list(dict.fromkeys([*part.get("required", ()), *always]))
+    return schema
+
+
+def _named(node: Any, parts: dict[str, Any]) -> set[str]:
+    """Names of the parts of a schema that `node` refers to, whatever lies between."""
+    if isinstance(node, list):
+        return {name for item in node for name in _named(item, parts)}
+    if not isinstance(node, dict):
+        return set()
+    name = str(node.get("$ref", "")).removeprefix(PARTS)
+    inner = _named(parts[name], parts) | {name} if name else set()
+    return inner | _named(list(node.values()), parts)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from studio import geometry, metrics
-from studio.control.controller import Controller, Directive
+from studio.control.controller import Controller
+from studio.control.drive_command import Directive
 from studio.control.footing import facing, feet_w, placed, solve, with_velocity
 from studio.control.interpolation import (
     MAX_JOINT_SPEED,

@@ -9,7 +9,8 @@ from safetensors.numpy import load_file, save_file
 from studio.control import trackers as controllers
 from studio.control.action import ActionConfig
 from studio.control.footing import with_velocity
-from studio.control.observation import ObservationConfig, level_quat
+from studio.control.observation import ObservationConfig
+from studio.control.observation_frame import level_quat
 from studio.control.policy import MODELS, Policy, manifest_of
 from studio.control.trackers import (
     CONTROLLERS,

@@ -8,9 +8,8 @@ from hypothesis import strategies as st
 from studio import geometry
 from studio.control import symmetry
 from studio.control.action import ActionConfig, clip_action, pd_target
-from studio.control.observation import (
-    History,
-    ObservationConfig,
+from studio.control.observation import History, ObservationConfig
+from studio.control.observation_frame import (
     heading_of,
     level_quat,
     reference_frame,

@@ -15,8 +15,8 @@ from studio.control.observation import (
     YAW_RATE,
     History,
     ObservationConfig,
-    roll_pitch,
 )
+from studio.control.observation_frame import roll_pitch
 from studio.errors import StudioError
 from studio.evaluation.scripted import record
 from studio.reference import gait

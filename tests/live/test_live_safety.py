@@ -2,8 +2,7 @@
 
 import pytest
 
-from studio.control.controller import Directive
-from studio.control.drive_command import REASONS
+from studio.control.drive_command import REASONS, Directive
 from studio.control.staleness import stale_command, stale_directive, why_still
 from studio.live.safety import OVERRUN_WINDOW, Safety
 

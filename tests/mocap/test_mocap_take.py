@@ -11,7 +11,7 @@ from studio.mocap.source import Source, SourceEnded
 from studio.mocap.take_source import TakeSource
 from studio.robot import a1
 from studio.takes.library import SessionLibrary
-from studio.takes.take import Recorder
+from studio.takes.record.recorder import Recorder
 
 
 @pytest.fixture

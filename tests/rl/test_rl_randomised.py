@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studio import geometry
-from studio.control.observation import roll_pitch
+from studio.control.observation_frame import roll_pitch
 from studio.rl.bank import MotionBank, build_bank
 from studio.rl.curriculum import Curriculum, Stage
 from studio.rl.env import ImitationEnv

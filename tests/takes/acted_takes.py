@@ -21,7 +21,7 @@ from studio.robot.pose import RobotState
 from studio.synthetic import Person, play
 from studio.synthetic import signals as sig
 from studio.takes.edit.edits import edit
-from studio.takes.take import Recorder
+from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
 
 Array = NDArray[np.float64]

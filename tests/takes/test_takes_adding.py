@@ -16,7 +16,8 @@ from studio.takes.columns import columns
 from studio.takes.edit.edits import edit
 from studio.takes.export import adding, archive
 from studio.takes.library import SessionLibrary
-from studio.takes.take import Recorder, read_take, survey_take
+from studio.takes.record.recorder import Recorder
+from studio.takes.take import read_take, survey_take
 
 
 @pytest.fixture(scope="module")

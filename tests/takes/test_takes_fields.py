@@ -10,7 +10,7 @@ from make_ticks import make_ticks
 
 from studio.takes import columns as table
 from studio.takes.record import codec
-from studio.takes.take import Recorder
+from studio.takes.record.recorder import Recorder
 from studio.takes.tick import FIELDS, STREAMS, Tick, fields_in
 
 WITH_MORE = '''
@@ -37,7 +37,8 @@ from studio.evaluation.drive_report import trace_line
 from studio.live.replay import Replay
 from studio.takes.columns import columns
 from studio.takes.export.formats import export
-from studio.takes.take import Recorder, read_take
+from studio.takes.record.recorder import Recorder
+from studio.takes.take import read_take
 from studio.web.encode import tick_json
 
 root, older = Path(sys.argv[1]), Path(sys.argv[2])

@@ -13,7 +13,7 @@ from studio.errors import StudioError
 from studio.takes import commands
 from studio.takes.edit.edits import EDITS, edit, read_edits, redo, undo
 from studio.takes.library import SessionLibrary
-from studio.takes.take import Recorder
+from studio.takes.record.recorder import Recorder
 
 WRITER = Path(__file__).with_name("write_until_killed.py")
 

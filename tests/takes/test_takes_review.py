@@ -17,7 +17,8 @@ from studio.takes.dataset import findings
 from studio.takes.edit import edited, review, windows
 from studio.takes.edit.edits import Edits, edit, read_edits
 from studio.takes.library import SessionLibrary
-from studio.takes.take import Recorder, read_take
+from studio.takes.record.recorder import Recorder
+from studio.takes.take import read_take
 
 DT = 1.0 / 30.0
 

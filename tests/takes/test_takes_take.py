@@ -20,7 +20,8 @@ from studio.errors import StudioError
 from studio.takes.library import SessionLibrary
 from studio.takes.record import recorder as recorder_module
 from studio.takes.record.codec import SCHEMAS
-from studio.takes.take import Recorder, iter_ticks, read_take
+from studio.takes.record.recorder import Recorder
+from studio.takes.take import iter_ticks, read_take
 
 WRITER = Path(__file__).with_name("write_until_killed.py")
 
@@ -204,7 +205,7 @@ def test_real_disk_limits_are_survived_in_a_process_of_its_own(tmp_path: Path):
         "from pathlib import Path\n"
         "from make_ticks import make_ticks\n"
         "from studio.errors import StudioError\n"
-        "from studio.takes.take import Recorder\n"
+        "from studio.takes.record.recorder import Recorder\n"
         "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)\n"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (60000, 60000))\n"
         f"r = Recorder(Path({str(tmp_path)!r})); r.start(name='limited')\n"

@@ -7,7 +7,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from make_ticks import make_ticks
 
-from studio.takes.take import Recorder
+from studio.takes.record.recorder import Recorder
 
 recorder = Recorder(Path(sys.argv[1]))
 recorder.start(name=sys.argv[2])

@@ -15,9 +15,9 @@ from studio.live.runtime import Runtime, RuntimeConfig
 from studio.live.shown import PlanItem
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, read_experts
-from studio.training.collected import TakesTraining, run_train_takes, split_pairs
+from studio.training.collected import TakesTraining, run_train_takes
 from studio.training.mapper_net import MapperNet
-from studio.training.take_pairs import read_pairs
+from studio.training.take_pairs import read_pairs, split_pairs
 
 pytestmark = pytest.mark.slow
 

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from studio.control.drive_command import LIMITS, checked_gain
 from studio.control.trackers import CONTROLLERS
 from studio.errors import StudioError
 from studio.live.command import Command, Made, OneOf, with_why
@@ -13,6 +12,7 @@ from studio.live.reading import OpenedSource, open_follower, open_for
 from studio.live.replay import Replay, open_replay
 from studio.options import Travel
 from studio.reference.intent import STATES
+from studio.retarget.settings import LIMITS, checked_gain
 from studio.retarget.store import STYLES, load_experts
 
 if TYPE_CHECKING:
@@ -168,7 +168,7 @@ class Calibrate(Command):
 
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """The way the person faces now is straight ahead."""
-        runtime.puppeteer.calibrate_now()
+        runtime.puppeteer.retargeter.extractor.calibrator.neutral_now()
         return {}
 
 

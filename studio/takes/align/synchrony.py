@@ -22,9 +22,8 @@ from studio.takes.edit import edits as edit_log
 from studio.takes.edit.edited import ends, human_rows, kept
 from studio.takes.edit.edits import Edits
 from studio.takes.library import SessionLibrary
-from studio.takes.record.recorder import TAPE
+from studio.takes.record.meta import TAPE, read_meta
 from studio.takes.sessions import SessionBook
-from studio.takes.take import read_meta
 
 ALIGN_S = 120.0
 """s, the liveliest stretch of a long take that the lag is found on."""

@@ -31,7 +31,7 @@ from studio.takes.dataset.pairs_file import content_hash, read_table, schema, st
 from studio.takes.edit.edits import Edits
 from studio.takes.library import SessionLibrary
 from studio.takes.names import check_name
-from studio.takes.record.recorder import TAPE
+from studio.takes.record.meta import TAPE
 
 DATASETS, TABLE, MANIFEST = "datasets", "pairs.parquet", "manifest.json"
 FORMAT_VERSION = 1
@@ -40,7 +40,7 @@ _CODE = (
     "human/posture", "human/skeleton", "reference/contact", "reference/motion",
     "reference/stances", "robot/a1", "robot/kinematics", "robot/legs", "robot/single",
     "takes/align", "takes/columns", "takes/dataset/pairs", "takes/edit/edited",
-    "takes/record/codec", "takes/record/tape", "takes/take", "takes/tick",
+    "takes/record/codec", "takes/record/meta", "takes/record/tape", "takes/take", "takes/tick",
 )  # fmt: skip
 _EDITS = ("trim", "cuts", "lag", "warp", "keep", "label")
 _TAKE = ("name", "tape", "edits")

@@ -11,7 +11,8 @@ from studio.files import scratch_folder
 from studio.takes.edit.edits import EDITS
 from studio.takes.export.archive import unpack_takes
 from studio.takes.names import check_take, fit_name, take_folder
-from studio.takes.record.recorder import META, TAPE, Recorder
+from studio.takes.record.meta import META, TAPE
+from studio.takes.record.recorder import Recorder
 from studio.takes.take import survey_take
 from studio.takes.tick import Tick
 

@@ -13,7 +13,7 @@ from typing import IO
 from studio.errors import StudioError
 from studio.takes.edit.edits import EDITS
 from studio.takes.names import fit_name
-from studio.takes.record.recorder import META, TAPE
+from studio.takes.record.meta import META, TAPE
 
 FILES = (TAPE, META, EDITS)
 MAX_UNPACKED = 8 * 2**30

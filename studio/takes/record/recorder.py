@@ -4,7 +4,6 @@ A take is a folder: `tape.mcap` (streams human, reference, robot, tick), `meta.j
 from which source) and, once somebody edits it, `edits.jsonl`.
 """
 
-import contextlib
 import fcntl
 import logging
 import os
@@ -14,25 +13,19 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
 from studio import __version__
 from studio.errors import StudioError
-from studio.files import write_whole
 from studio.robot import a1
 from studio.takes.names import check_take, slug
 from studio.takes.record import codec
+from studio.takes.record.meta import FORMAT_VERSION, TAPE, write_meta
+from studio.takes.record.raw_file import RawFile, keep_syncing
 from studio.takes.record.tape import Message, TapeWriter, rewrite_chunked
 from studio.takes.tick import Tick
 
 log = logging.getLogger(__name__)
 
-TAPE, META = "tape.mcap", "meta.json"
-FORMAT_VERSION = 1
-"""Major version of a take's folder; another one is refused."""
 LOCK = ".recording.lock"
-SYNC_PERIOD = 1.0
-"""s between fsyncs on the side thread: what a power failure may cost."""
 
 
 class Recorder:
@@ -46,7 +39,7 @@ class Recorder:
     def __init__(self, root: Path) -> None:
         self.root = Path(root)
         self.problem: str | None = None
-        self._file: _RawFile | None = None
+        self._file: RawFile | None = None
         self._writer: TapeWriter | None = None
         self._lock: int | None = None
         self._finishers: list[threading.Thread] = []
@@ -92,7 +85,7 @@ class Recorder:
                 "about": about or {},
             }
             write_meta(folder, self._meta)
-            self._file = _RawFile(folder / TAPE)
+            self._file = RawFile(folder / TAPE)
             self._writer = TapeWriter(self._file, codec.SCHEMAS)  # type: ignore[arg-type]
         except OSError as error:
             self._abandon()
@@ -104,12 +97,7 @@ class Recorder:
         self._count = self._human_count = 0
         self._states = {}
         self._stop_sync = threading.Event()
-        threading.Thread(
-            target=_sync_forever,
-            args=(os.dup(self._file.fileno()), self._stop_sync),
-            name="sync take",
-            daemon=True,
-        ).start()
+        keep_syncing(self._file, self._stop_sync)
         return folder.name
 
     def append(self, tick: Tick) -> None:
@@ -199,7 +187,7 @@ class Recorder:
                     raise StudioError(f"a take named {name} exists: choose another name") from None
         raise StudioError(f"there are too many takes named {name}: choose another label")
 
-    def _finish(self, writer: TapeWriter, file: "_RawFile", meta: dict[str, Any]) -> None:
+    def _finish(self, writer: TapeWriter, file: RawFile, meta: dict[str, Any]) -> None:
         folder = self.root / meta["name"]
         try:
             writer.finish()
@@ -217,57 +205,3 @@ class Recorder:
         if self._file is not None:
             self._file.close()
         self._writer = self._file = None
-
-
-class _RawFile:
-    """An append-only file without a buffer of its own: each write reaches the system at once."""
-
-    def __init__(self, path: Path) -> None:
-        self._fd = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o644)
-        fcntl.flock(self._fd, fcntl.LOCK_EX)  # how a library tells a running take from a dead one
-        self.size = 0
-        self.closed = False
-
-    def write(self, data: bytes) -> int:
-        rest = memoryview(data)
-        while rest:
-            written = os.write(self._fd, rest)
-            self.size += written
-            rest = rest[written:]
-        return len(data)
-
-    def cut(self, size: int) -> None:
-        """Drop what was half written (works on a full disk too)."""
-        with contextlib.suppress(OSError):
-            os.ftruncate(self._fd, size)
-
-    def tell(self) -> int:
-        return self.size
-
-    def fileno(self) -> int:
-        return self._fd
-
-    def flush(self) -> None:
-        pass
-
-    def close(self) -> None:
-        if not self.closed:
-            self.closed = True
-            with contextlib.suppress(OSError):
-                os.close(self._fd)
-
-
-def _sync_forever(handle: int, stop: threading.Event) -> None:
-    """fsync a descriptor of its own now and then, until told to stop; closes it."""
-    try:
-        while not stop.wait(SYNC_PERIOD):
-            os.fsync(handle)
-    except OSError as error:
-        log.warning("the take could not be forced to disk: %s", error.strerror)
-    finally:
-        os.close(handle)
-
-
-def write_meta(folder: Path, meta: dict[str, Any]) -> None:
-    """Replace meta.json whole."""
-    write_whole(folder / META, msgspec.json.format(msgspec.json.encode(meta), indent=2))

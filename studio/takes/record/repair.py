@@ -10,9 +10,9 @@ from studio.robot import a1
 from studio.takes import bin
 from studio.takes.listing import is_recording
 from studio.takes.record import codec
-from studio.takes.record.recorder import FORMAT_VERSION, TAPE, write_meta
+from studio.takes.record.meta import FORMAT_VERSION, TAPE, MetaLost, read_meta, write_meta
 from studio.takes.record.tape import TapeScan, rewrite_chunked, scan
-from studio.takes.take import MetaLost, iter_ticks, read_meta
+from studio.takes.take import iter_ticks
 
 
 def repair(root: Path, folder: Path) -> dict[str, Any]:

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from studio import geometry
-from studio.control import observation
-from studio.control import single_observation as frames
+from studio.control import observation_frame as frames
 from studio.reference import scalars
 from studio.reference.intent import STATES
 from studio.robot.pose import ReferencePose, RobotState
@@ -20,10 +19,10 @@ def draw(n: int) -> tuple[np.ndarray, ...]:
 @pytest.mark.parametrize("state", STATES)
 @pytest.mark.parametrize("yaw_rate", [True, False])
 def test_sensor_frame_is_the_batch_row(state: str, yaw_rate: bool) -> None:
-    level = np.array(observation.level_quat(state))  # type: ignore[arg-type]
+    level = np.array(frames.level_quat(state))  # type: ignore[arg-type]
     joints, quats = draw(200)
     gyro = RNG.normal(size=(200, 3))
-    batch = observation.sensor_frame(joints, quats, gyro, level, yaw_rate)
+    batch = frames.sensor_frame(joints, quats, gyro, level, yaw_rate)
     for i in range(200):
         robot = RobotState(
             base_pos=np.zeros(3),
@@ -37,16 +36,16 @@ def test_sensor_frame_is_the_batch_row(state: str, yaw_rate: bool) -> None:
             foot_pos_w=np.zeros((4, 3)),
             torque=np.zeros(12),
         )
-        one = frames.sensor_frame(robot, scalars.rows(level.tolist()), yaw_rate)
+        one = frames.one_sensor_frame(robot, scalars.rows(level.tolist()), yaw_rate)
         np.testing.assert_allclose(one, batch[i], atol=1e-12)
 
 
 @pytest.mark.parametrize("state", STATES)
 def test_reference_frame_is_the_batch_row(state: str) -> None:
-    level = np.array(observation.level_quat(state))  # type: ignore[arg-type]
+    level = np.array(frames.level_quat(state))  # type: ignore[arg-type]
     joints, quats = draw(200)
     pos, vel, turn = RNG.normal(size=(3, 200, 3))
-    batch = observation.reference_frame(joints, pos[:, 2], quats, vel, turn, level)
+    batch = frames.reference_frame(joints, pos[:, 2], quats, vel, turn, level)
     for i in range(200):
         reference = ReferencePose(
             base_pos=pos[i],
@@ -56,5 +55,5 @@ def test_reference_frame_is_the_batch_row(state: str) -> None:
             base_lin_vel_w=vel[i],
             base_ang_vel_b=turn[i],
         )
-        one = frames.reference_frame(reference, scalars.rows(level.tolist()))
+        one = frames.one_reference_frame(reference, scalars.rows(level.tolist()))
         np.testing.assert_allclose(one, batch[i], atol=1e-12)
