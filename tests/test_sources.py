@@ -22,8 +22,7 @@ from studio.mocap.stream import StreamSource
 from studio.reference.intent import Intent
 from studio.robot.pose import ReferencePose, RobotState
 from studio.sources import SOURCES, Source, SourceEnded, open_source
-from studio.synthetic.follower import FollowingOperator
-from studio.synthetic.operator import InteractiveOperator
+from studio.synthetic.operator import FollowingOperator, InteractiveOperator
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
 

@@ -14,9 +14,7 @@ from functools import partial
 import numpy as np
 
 from studio.reference.intent import StateName
-from studio.retarget.baselines.base import FrameMapper, Targets
-from studio.retarget.baselines.nearest import NearestPair
-from studio.retarget.baselines.ridge import Ridge
+from studio.retarget.baselines import FrameMapper, NearestPair, Ridge, Targets
 from studio.retarget.mapper import NUM_OUTPUTS, Mapper
 from studio.training.mapper_fit import MapperTraining, fit_expert, new_net
 from studio.training.mapper_net import MapperNet

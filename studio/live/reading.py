@@ -9,7 +9,7 @@ from studio.control.drive_command import PuppeteerConfig
 from studio.human.calibration import Calibration, calibrate
 from studio.human.pose import HumanPose
 from studio.sources import Source, SourceEnded, open_source
-from studio.synthetic.follower import FollowingOperator
+from studio.synthetic.operator import FollowingOperator
 
 log = logging.getLogger(__name__)
 

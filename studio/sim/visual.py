@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 
 from studio import geometry
 from studio.files import whole
-from studio.robot import a1, kinematics
-from studio.robot.pose import RobotPose
+from studio.robot import a1
 
 Array = NDArray[np.float64]
 log = logging.getLogger(__name__)
@@ -46,12 +45,6 @@ class LinkMesh:
     vertices: NDArray[np.float32]
     faces: NDArray[np.uint32]
     color: tuple[int, int, int]
-
-
-def link_poses(pose: RobotPose) -> dict[str, tuple[Array, Array]]:
-    """Position (3,) m and orientation (4,) wxyz, world, of every link of a1.LINKS in `pose`."""
-    pos, quat = kinematics.link_frames_w(pose.base_pos, pose.base_quat, pose.joint_pos)
-    return {name: (pos[i], quat[i]) for i, name in enumerate(a1.LINKS)}
 
 
 @lru_cache(maxsize=1)

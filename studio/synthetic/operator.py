@@ -1,4 +1,4 @@
-"""The operator: the synthetic person as sources, touring, repeating one task, or by hand."""
+"""The operator: the synthetic person as sources; touring, at one task, by hand, or shown."""
 
 import copy
 import threading
@@ -17,6 +17,7 @@ from studio.synthetic.signals import DT
 from studio.synthetic.tour import tour_signal
 
 __all__ = [
+    "FollowingOperator",
     "InteractiveOperator",
     "OperatorSource",
     "Performance",
@@ -32,7 +33,7 @@ _REPEAT_S = 12.0  # s of a task drawn at a time
 
 
 class _Performed(Source):
-    """What both operators share: a person performing one frame after another on a 30 Hz clock."""
+    """What all operators share: a person performing one frame after another on a 30 Hz clock."""
 
     starts_live = True
     duration: float | None = None
@@ -184,3 +185,30 @@ class InteractiveOperator(_Performed):
         self._signal[sig.PHASE] = phase + self._signal[sig.CADENCE] * DT
         self._speed[sig.PHASE] = 0.0
         return self._signal.copy()
+
+
+class FollowingOperator(_Performed):
+    """The synthetic person who acts out what they are shown, as late as people are.
+
+    Performs what `show` gives, a period each: its clock is what it is shown, so that a loop that
+    is late slows both alike. Endless; one thread.
+    """
+
+    def __init__(self, *, seed: int = 0, style: str = "march") -> None:
+        person_rng, acting = np.random.default_rng(seed).spawn(2)
+        person = Person.sample(person_rng, sensor="mocap", style=style).still()
+        super().__init__("operator:follow", person, acting)
+        self._row: Array | None = None
+
+    def show(self, intent: Intent) -> None:
+        """What the person sees meant in this control period."""
+        self._row = sig.of_intents([intent])
+
+    def read(self, t: float) -> HumanPose | None:
+        """The pose of the period shown last, once."""
+        if self._row is None:
+            return None
+        self._given += 1
+        seen, confidence, _, _ = self.performer.advance(self._row)
+        self._row = None
+        return HumanPose(t=self._given * sig.DT, joint_pos_w=seen[0], confidence=confidence[0])

@@ -25,9 +25,7 @@ from safetensors.numpy import load_file, save_file
 from studio.errors import StudioError
 from studio.files import whole
 from studio.reference.intent import STATES, StateName
-from studio.retarget.baselines.base import FrameMapper, Targets
-from studio.retarget.baselines.nearest import NearestPair
-from studio.retarget.baselines.ridge import Ridge
+from studio.retarget.baselines import FrameMapper, NearestPair, Ridge, Targets
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, ruled, stem, style_dir
 from studio.takes.names import check_name

@@ -3,10 +3,7 @@
 import logging
 import threading
 import time
-from collections import deque
 from typing import Protocol
-
-import numpy as np
 
 from studio.live.faults import Faults
 from studio.live.mailbox import Latest
@@ -32,7 +29,6 @@ class View:
         self._stop = threading.Event()
         self._thread: threading.Thread | None = None
         self.faults = Faults(log)
-        self._costs_ms: deque[float] = deque(maxlen=300)
         self.frames = 0
 
     def start(self) -> None:
@@ -51,18 +47,13 @@ class View:
         if self._thread is not None:
             self._thread.join(timeout=2.0)
 
-    def cost_ms(self) -> dict[str, float]:
-        """p50 and p95 of an update, ms of processor time, over the last ten seconds."""
-        costs = list(self._costs_ms) or [0.0]
-        return {"p50": float(np.median(costs)), "p95": float(np.percentile(costs, 95))}
-
     def _run(self) -> None:
         version, shown = 0, time.perf_counter() - VIEW_DT
         while not self._stop.is_set():
             new, tick = self._ticks.wait(version, timeout=0.25)
             if tick is None or new == version:
                 continue
-            version, now, used = new, time.perf_counter(), time.thread_time()
+            version, now = new, time.perf_counter()
             try:
                 self._scene.update(tick, now - shown)
             except Exception as error:
@@ -70,6 +61,5 @@ class View:
                 self.faults.tell("the view could not draw a tick", error)
             shown = now
             self.frames += 1
-            self._costs_ms.append(1e3 * (time.thread_time() - used))
             # A tick every 33 ms arrives by itself; this only bounds a faster feed.
             self._stop.wait(max(0.0, 0.8 * VIEW_DT - (time.perf_counter() - now)))

@@ -6,10 +6,7 @@ import pytest
 from studio.evaluation.pair_methods import SIZES, spread, widened
 from studio.evaluation.pairs import Options, run_pairs, switches
 from studio.evaluation.pairs_report import table
-from studio.retarget.baselines.base import Targets, unstack
-from studio.retarget.baselines.foot_height import contact_by_height
-from studio.retarget.baselines.nearest import NearestPair
-from studio.retarget.baselines.ridge import Ridge
+from studio.retarget.baselines import NearestPair, Ridge, Targets, contact_by_height, unstack
 from studio.robot import a1, kinematics
 from studio.training.train_mapper import make_pairs
 

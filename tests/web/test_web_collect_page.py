@@ -8,7 +8,7 @@ from browsing import PATIENCE, click, drawn, until
 from rendered import RENDERED, closest, errors
 from served import Served
 
-from studio.synthetic.follower import FollowingOperator
+from studio.synthetic.operator import FollowingOperator
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 

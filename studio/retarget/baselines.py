@@ -1,0 +1,113 @@
+"""The simplest honest methods a mapper is compared with: nearest pair, ridge, contact by height.
+
+What every way of mapping frames offers comes first, so that all are planted and scored alike.
+"""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import geometry
+from studio.retarget.mapper import NUM_RATES, Mapped
+from studio.robot import a1, kinematics
+
+Array = NDArray[np.float64]
+
+THRESHOLD = 0.01
+"""m above the lowest foot, up to which `contact_by_height` takes a foot to stand."""
+
+
+class FrameMapper(Protocol):
+    """Maps triplets (N, 3F) to Mapped values with N rows."""
+
+    def __call__(self, triplet: NDArray) -> Mapped: ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Targets:
+    """Labels of N frames: joint_pos (N, 12), base_quat (N, 4), rates (N, 36), contact (N, 4)."""
+
+    joint_pos: NDArray
+    base_quat: NDArray
+    rates: NDArray
+    contact: NDArray
+
+    def stacked(self) -> Array:
+        """(N, 56) float64, one row per frame."""
+        parts = (self.joint_pos, self.base_quat, self.rates, self.contact)
+        return np.concatenate([np.asarray(p, np.float64) for p in parts], axis=1)
+
+
+def unstack(rows: Array) -> Mapped:
+    """Rows (N, 56) as a Mapped: joints held to their limits, quaternions made unit."""
+    return Mapped(
+        joint_pos=np.clip(rows[:, :12], a1.JOINT_LOWER, a1.JOINT_UPPER),
+        base_quat=geometry.normalize(rows[:, 12:16]),
+        rates=rows[:, 16 : 16 + NUM_RATES],
+        contact_prob=np.clip(rows[:, 16 + NUM_RATES :], 0.0, 1.0),
+    )
+
+
+def z_scores(triplet: NDArray) -> tuple[Array, Array]:
+    """Mean and sigma (3F,) of triplets, sigmas floored as for the experts."""
+    std = triplet.std(axis=0).reshape(3, -1)
+    floor = 0.25 * np.median(std, axis=1, keepdims=True)
+    return triplet.mean(axis=0), np.maximum(std, floor).ravel()
+
+
+class NearestPair:
+    """The robot frame of the most similar training frame: a lookup, no learning.
+
+    Keeps every pair; the metric is the Euclidean one of z-scored triplets.
+    """
+
+    def __init__(self, triplet: NDArray, targets: Targets) -> None:
+        self._mean, self._scale = z_scores(triplet)
+        self._points = ((triplet - self._mean) / self._scale).astype(np.float32)
+        self._square = np.square(self._points).sum(axis=1)
+        self._rows = targets.stacked()
+
+    def __call__(self, triplet: NDArray) -> Mapped:
+        """The stored labels nearest to each triplet (N, 3F)."""
+        z = ((triplet - self._mean) / self._scale).astype(np.float32)
+        best = np.concatenate(
+            [
+                np.argmin(self._square - 2.0 * (block @ self._points.T), axis=1)
+                for block in np.array_split(z, max(1, len(z) // 256))
+            ]
+        )
+        return unstack(self._rows[best])
+
+
+class Ridge:
+    """The best linear map from triplets to robot frames.
+
+    W = (Z^T Z + penalty N I)^-1 Z^T Y over z-scored triplets Z with a constant column.
+    """
+
+    def __init__(self, triplet: NDArray, targets: Targets, penalty: float = 1e-3) -> None:
+        self._mean, self._scale = z_scores(triplet)
+        z = self._inputs(triplet)
+        gram = z.T @ z + penalty * len(z) * np.diag([*([1.0] * (z.shape[1] - 1)), 0.0])
+        self._weight = np.linalg.solve(gram, z.T @ targets.stacked())
+
+    def __call__(self, triplet: NDArray) -> Mapped:
+        """The linear estimate for each triplet (N, 3F)."""
+        return unstack(self._inputs(triplet) @ self._weight)
+
+    def _inputs(self, triplet: NDArray) -> Array:
+        z = np.clip((np.asarray(triplet, np.float64) - self._mean) / self._scale, -5.0, 5.0)
+        return np.concatenate([z, np.ones((len(z), 1))], axis=1)
+
+
+def contact_by_height(base_quat: Array, joint_pos: Array, threshold: float = THRESHOLD) -> Array:
+    """Contact by foot height alone: what the paper tried first and found jumpy.
+
+    Contacts (N, 4), 0 or 1: feet of mapped poses no higher than `threshold` over the lowest.
+
+    base_quat (N, 4) and joint_pos (N, 12) as mapped; the base's own height is not known.
+    """
+    feet = kinematics.foot_pos_w(np.zeros(3), base_quat, joint_pos)[..., 2]
+    return (feet - feet.min(axis=-1, keepdims=True) <= threshold).astype(np.float64)

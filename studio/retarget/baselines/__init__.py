@@ -1,1 +1,0 @@
-"""The simplest honest methods a mapper is compared with."""
