@@ -76,10 +76,15 @@ def sweep_writes(folder: Path) -> None:
             _remove(left)
 
 
-def write_whole(path: Path, data: bytes | str, *, parents: bool = False) -> None:
-    """Replace a file by these bytes, or this text in UTF-8, whole or not at all. Raises OSError."""
+def write_whole(path: Path, data: bytes | str, *, parents: bool = False, mode: int = 0o666) -> None:
+    """Replace a file by these bytes, or this text in UTF-8, whole or not at all. Raises OSError.
+
+    mode: who may do what with it, from its first byte on, less the process's umask.
+    """
     with whole(path, parents=parents) as scratch:
-        scratch.write_bytes(data.encode() if isinstance(data, str) else data)
+        scratch.unlink(missing_ok=True)  # of a killed process that had our number
+        with open(os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL, mode), "wb") as file:
+            file.write(data.encode() if isinstance(data, str) else data)
 
 
 @contextmanager

@@ -3,6 +3,7 @@
 import os
 import shutil
 import signal
+import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -51,6 +52,18 @@ def test_a_folder_takes_the_place_of_an_older_one(tmp_path: Path):
             scratch.mkdir()
             (scratch / name).write_text(name)
     assert os.listdir(tmp_path / "set") == ["two"]
+
+
+def test_a_secret_is_its_owners_alone_and_other_files_are_as_the_umask_says(tmp_path: Path):
+    before = os.umask(0o022)
+    try:
+        files.write_whole(tmp_path / "secret", "word", mode=0o600)
+        files.write_whole(tmp_path / "page", "words")
+    finally:
+        os.umask(before)
+    assert (tmp_path / "secret").read_text() == "word"
+    assert stat.S_IMODE((tmp_path / "secret").stat().st_mode) == 0o600
+    assert stat.S_IMODE((tmp_path / "page").stat().st_mode) == 0o644
 
 
 def test_the_folder_around_is_made_only_where_it_is_asked_for(tmp_path: Path):

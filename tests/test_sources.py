@@ -22,6 +22,7 @@ from studio.mocap.stream import StreamSource
 from studio.reference.intent import Intent
 from studio.robot.pose import ReferencePose, RobotState
 from studio.sources import SOURCES, Source, SourceEnded, open_source
+from studio.synthetic.impaired import Impaired, Impairment
 from studio.synthetic.operator import FollowingOperator, InteractiveOperator
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
@@ -412,3 +413,31 @@ def test_a_stream_may_be_pushed_by_threads_while_the_loop_reads():
     assert not errors
     assert 1 <= read <= sum(accepted)
     assert sum(accepted) + source.rejected == 400
+
+
+def test_an_impaired_source_does_what_its_source_can_do():
+    stream = Impaired(StreamSource(), Impairment())
+    stream.push(frame(0.0))
+    assert stream.read(0.1) is not None
+    with pytest.raises(FrameRejected):
+        stream.push({"t": 1.0})
+    stream.new_sender()
+    stream.push(frame(0.0))  # a clock of its own: not refused as older than what came before
+    plain = InteractiveOperator(seed=1)
+    operator = Impaired(InteractiveOperator(seed=1), Impairment())
+    with pytest.raises(TakesNoFrames):
+        operator.push(frame(0.0))
+    for who in (plain, operator):
+        who.set_intent(Intent(state="sit"))
+    for k in range(60):
+        asked, seen = plain.read(k / 30), operator.read(k / 30)
+        assert asked is not None
+        assert seen is not None
+        np.testing.assert_array_equal(seen.joint_pos_w, asked.joint_pos_w)
+    person = FollowingOperator(seed=1)
+    follower = Impaired(person, Impairment())
+    follower.set_style("circles")
+    assert person.person.style == "circles"
+    assert follower.read(0.0) is None
+    follower.show(Intent(state="stand"))
+    assert follower.read(1 / 30) is not None

@@ -4,28 +4,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import msgspec
-
 from studio.errors import StudioError, unknown_name
-from studio.retarget.store import Experts, read_experts
+from studio.retarget.store import Experts, read_experts, read_sidecar
 from studio.takes.names import check_name
-from studio.takes.stored import Name, read_json
 
 FOLDER, SIDECAR = "mappers", "mapper.json"
 SHIPPED = "shipped"
 """The name of those that come with the studio."""
-
-
-class _Sidecar(msgspec.Struct):
-    """The types of what others read from a mapper's sidecar; more may be in it."""
-
-    made: Name = ""
-    style: Name | None = None
-    states: list[Name] = []
-    takes: list[Name] = []
-
-
-_sidecar = msgspec.json.Decoder(dict[str, Any])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,23 +46,13 @@ def mapper_folder(sessions: Path, name: str) -> Path:
     return Path(sessions) / FOLDER / check_name(name, "mapper")
 
 
-def _about(path: Path) -> dict[str, Any]:
-    """A sidecar; OSError or ValueError where it cannot be read."""
-    about = read_json(path, _sidecar)
-    try:
-        msgspec.convert(about, _Sidecar)
-    except msgspec.ValidationError as error:
-        raise ValueError(str(error)) from None
-    return about
-
-
 def list_mappers(sessions: Path) -> list[dict[str, Any]]:
     """The sidecar of every trained mapper, the newest last; unfinished ones are left out."""
     found = []
     for path in (Path(sessions) / FOLDER).glob(f"*/{SIDECAR}"):
         try:
-            found.append({**_about(path), "name": path.parent.name})
-        except (OSError, ValueError):
+            found.append({**read_sidecar(path.with_suffix("")), "name": path.parent.name})
+        except StudioError:
             continue
     return sorted(found, key=lambda about: str(about.get("made", "")))
 
@@ -85,14 +60,11 @@ def list_mappers(sessions: Path) -> list[dict[str, Any]]:
 def open_mapper(sessions: Path, name: str, style: str) -> OpenedMapper:
     """Read a trained mapper, on the caller's thread. style: of one that does not say its own.
 
-    StudioError if there is none of that name.
+    StudioError if there is none of that name, or it is damaged.
     """
     folder = mapper_folder(sessions, name)
     if not (folder / SIDECAR).is_file():
         known = [SHIPPED, *(about["name"] for about in list_mappers(sessions))]
         raise unknown_name("mapper", name, known)
-    try:
-        style = _about(folder / SIDECAR).get("style") or style
-    except (OSError, ValueError) as error:
-        raise StudioError(f"{name}/{SIDECAR} cannot be used: {error}") from error
+    style = read_sidecar((folder / SIDECAR).with_suffix("")).get("style") or style
     return OpenedMapper(name=name, experts=read_experts(folder, style))

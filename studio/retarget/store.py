@@ -1,11 +1,11 @@
 """Where trained experts live on disk, and how they are read: models/mapper/<style>/."""
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
+import msgspec
 import numpy as np
 from safetensors import SafetensorError
 from safetensors.numpy import load_file
@@ -17,6 +17,7 @@ from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import Expert, Mapper
 from studio.retarget.selector import Prototypes
 from studio.retarget.semantic import SemanticWalk
+from studio.takes.stored import Name, read_json
 
 STYLES: tuple[str, ...] = ("march", "circles", "semantic")
 """Which human motion means walking: marching in place, circling hands, or marching in place read by
@@ -30,6 +31,18 @@ So standing and sitting are the same weights in all, and "semantic" shares the s
 
 MODELS = package_folder("models")
 """The shipped weights."""
+
+
+class _Sidecar(msgspec.Struct):
+    """The types of what others read from a sidecar; more may be in it."""
+
+    made: Name = ""
+    style: Name | None = None
+    states: list[Name] = []
+    takes: list[Name] = []
+
+
+_about = msgspec.json.Decoder(dict[str, Any])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,16 +112,18 @@ def stem(folder: Path, part: str, style: str, models: Path | None = None) -> Pat
 
 
 def read_sidecar(stem: Path) -> dict[str, Any]:
-    """The JSON beside a weights file: data, seed, commit, held-out scores; {} if there is none."""
+    """The JSON beside weights: data, seed, commit, held-out scores; {} if there is none.
+
+    Raises StudioError for one that is damaged, or whose words are not of the types we read.
+    """
     path = stem.with_suffix(".json")
-    if not path.is_file():
+    if not path.exists():
         return {}
     try:
-        about = json.loads(path.read_text())
-        if not isinstance(about, dict):
-            raise TypeError("it is no object")
+        about = read_json(path, _about)
+        msgspec.convert(about, _Sidecar)
         return about
-    except (OSError, ValueError, TypeError) as error:
+    except (OSError, ValueError) as error:
         raise _damaged(path, error) from error
 
 

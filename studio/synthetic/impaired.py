@@ -68,6 +68,26 @@ class Impaired(Source):
         """As the source's."""
         self._source.close()
 
+    def push(self, raw: object) -> None:
+        """As the source's: what is sent to it is impaired as it is read."""
+        self._source.push(raw)
+
+    def new_sender(self) -> None:
+        """As the source's."""
+        self._source.new_sender()
+
+    def set_intent(self, intent: Intent) -> None:
+        """As the source's."""
+        self._source.set_intent(intent)
+
+    def set_style(self, style: str) -> None:
+        """As the source's."""
+        self._source.set_style(style)
+
+    def show(self, intent: Intent) -> None:
+        """As the source's."""
+        self._source.show(intent)
+
     def read(self, t: float) -> HumanPose | None:
         """What has arrived by `t`; of several the newest."""
         pose = self._source.read(t)

@@ -9,6 +9,7 @@ import secrets
 from pathlib import Path
 
 from studio.errors import StudioError
+from studio.files import write_whole
 
 log = logging.getLogger(__name__)
 FILE = ".token"
@@ -44,12 +45,8 @@ def kept_token(sessions: Path) -> str:
     except (OSError, StudioError):
         pass  # none yet, or one that is of no use
     token = checked_token(None)
-    scratch = file.with_name(f"{FILE}.{secrets.token_hex(4)}.tmp")
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        with open(os.open(scratch, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "wb") as kept:
-            kept.write(token.encode())
-        scratch.replace(file)
+        write_whole(file, token, parents=True, mode=0o600)
     except OSError as error:
         log.warning("the token is for this run only: %s (%s)", error.strerror, sessions)
     return token

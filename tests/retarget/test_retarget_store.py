@@ -53,7 +53,9 @@ def test_damaged_weights_are_refused_with_their_file(tmp_path, damage):
         read_experts(folder, "march")
 
 
-@pytest.mark.parametrize("text", ["{", "[1, 2]", '"words"', ""])
+@pytest.mark.parametrize(
+    "text", ["{", "[1, 2]", '"words"', "", "[" * 100_000 + "]" * 100_000, '{"style": ["march"]}']
+)
 def test_a_damaged_sidecar_is_refused_with_its_file(tmp_path, text):
     folder = tmp_path / "mine"
     shutil.copytree(style_dir("march"), folder)
