@@ -26,6 +26,7 @@ TABLES = {
     "future": "what knowing the future is worth",
     "endurance": "minutes of driving: mean time between falls",
     "styles": "three ways of meaning walk, in physics",
+    "travel": "who crosses the room: speeds and turns, of what the person did",
     "pairs": "the mapper beside simpler ones, by number of pairs",
     "people": "real clips that nothing was trained on (needs --clips)",
     "operator_statistics": "the synthetic operator's ranges beside real ones (needs --clips)",

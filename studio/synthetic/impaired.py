@@ -12,6 +12,7 @@ from studio.mocap.source_report import SourceReport
 from studio.reference import gait
 from studio.reference.intent import Intent
 from studio.synthetic.operator import InteractiveOperator, OperatorSource
+from studio.synthetic.travelling import Travelling
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,6 +38,8 @@ IMPAIRMENTS: dict[str, Impairment] = {
 BRISK = "brisk"
 """The source of somebody who walks straight on, at one speed drawn from the upper 40 % of what
 there is."""
+TRAVEL = "travel"
+"""The source of somebody who crosses the room, this way and that."""
 _SIDES = tuple((INDEX[f"l_{j}"], INDEX[f"r_{j}"]) for j in ("elbow", "wrist"))
 _LEGS = tuple((INDEX[f"l_{j}"], INDEX[f"r_{j}"]) for j in ("knee", "ankle", "toe"))
 _THROW = 0.35
@@ -120,12 +123,16 @@ class Impaired(Source):
 
 def sent_by(sensor: str, source: str, seed: int, style: str = "march") -> Impaired:
     """A synthetic person as a sensor (of IMPAIRMENTS) sends them. source: `operator`,
-    `operator:TASK` or BRISK."""
+    `operator:TASK`, BRISK or TRAVEL."""
     impairment = IMPAIRMENTS[sensor]
-    if source == BRISK:
-        person = InteractiveOperator(seed=seed, style=style, sensor=impairment.sensor)
+    person: Source
+    if source == TRAVEL:
+        person = Travelling(seed, sensor=impairment.sensor)
+    elif source == BRISK:
+        brisk = InteractiveOperator(seed=seed, style=style, sensor=impairment.sensor)
         speed = np.random.default_rng([seed, 5]).uniform(0.6, 1.0) * gait.MAX_SPEED
-        person.set_intent(walking(float(speed), 0.0))
+        brisk.set_intent(walking(float(speed), 0.0))
+        person = brisk
     else:
         task = source.partition(":")[2] or None
         person = OperatorSource(task, seed=seed, style=style, sensor=impairment.sensor)
