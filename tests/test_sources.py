@@ -8,13 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from human_frames import object_of
 
 from studio.errors import StudioError
 from studio.human.pose import HumanClip, HumanPose
 from studio.human.skeleton import INDEX, NEUTRAL
 from studio.mocap.clip_source import ClipSource
 from studio.mocap.frames import load_frames
-from studio.mocap.gate import object_of
 from studio.mocap.raw_frame import FrameRejected
 from studio.mocap.source import TakesNoFrames
 from studio.mocap.source import poses as source_poses

@@ -20,8 +20,8 @@ from studio.human.calibration import calibrate
 from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT, CONTROL_HZ
 from studio.sources import open_source
-from studio.takes.library import SessionLibrary
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 from studio.takes.tick import Tick
 
 TAKES = 10_000

@@ -12,7 +12,7 @@ from typing import Any
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # one BLAS thread in the loop (docs/findings.md)
 
 from studio import __version__
-from studio.cli import flow, tables, takes, training
+from studio.cli import evaluation, flow, takes, training
 from studio.cli.output import give, take_option, usage
 from studio.errors import StudioError
 
@@ -22,8 +22,8 @@ COMMANDS: dict[str, tuple[Callable[[Sequence[str]], Any], str]] = {
     "drive": (flow.drive, "run the whole flow without a browser and report on it"),
     "takes": (takes.takes, "list, show, trim, label, align, verify, export, import, delete takes"),
     "train": (training.train, "train a mapper or a policy"),
-    "evaluate": (tables.evaluate, "make one of the tables or figures"),
-    "report": (tables.report, "one page of the tables that evaluate has made"),
+    "evaluate": (evaluation.evaluate, "make one of the tables or figures"),
+    "report": (evaluation.report, "one page of the tables that evaluate has made"),
     "publish": (training.publish, "ship a trained policy where it beats its baselines"),
     "export": (training.export, "write a policy as ONNX"),
     "openapi": (flow.openapi, "print the API's schema, without starting a server"),

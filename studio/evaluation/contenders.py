@@ -11,13 +11,13 @@ from pathlib import Path
 
 from studio.control.policy import MODELS, Policy
 from studio.reference.intent import StateName
-from studio.rl import episodes as simulate
+from studio.rl import rollouts
 from studio.rl.bank import MotionBank, relevelled
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
 from studio.training.variants import weights
 
-BASELINES = {"stand_still": simulate.stand_still, "pd_playback": simulate.pd_playback}
+BASELINES = {"stand_still": rollouts.stand_still, "pd_playback": rollouts.pd_playback}
 CONTROLLERS = ("stand_still", "pd_playback", "policy", "policy_true_future", "monolithic")
 """The rows of the tracking table; the last two are trained at the ablation's budget."""
 
@@ -27,7 +27,7 @@ class Contender:
     """act: decides in the environment that `environment` makes. digest: of its weights, or ""."""
 
     name: str
-    act: simulate.Act
+    act: rollouts.Act
     settings: EnvConfig = field(default_factory=EnvConfig)
     level: StateName | None = None
     digest: str = ""
@@ -36,7 +36,7 @@ class Contender:
         """`num` episodes of the bank under full Table I: for one seed, the same for everybody."""
         if self.level is not None:
             bank = relevelled(bank, self.level)
-        return simulate.evaluation_env(bank, num, seed, threads=threads, settings=self.settings)
+        return rollouts.evaluation_env(bank, num, seed, threads=threads, settings=self.settings)
 
 
 def baseline(name: str) -> Contender:
@@ -50,7 +50,7 @@ def trained(name: str, path: Path) -> Contender:
     state = policy.manifest["state"]
     return Contender(
         name=name,
-        act=simulate.policy_of(policy),
+        act=rollouts.policy_of(policy),
         settings=EnvConfig(observation=policy.observation, action=policy.action_config),
         level="stand" if state == "all" else None,
         digest=hashlib.sha256(path.read_bytes()).hexdigest(),

@@ -54,7 +54,7 @@ CASES: tuple[Case, ...] = (
 )
 _FLOW = (
     "control", "human", "mocap", "reference", "retarget", "rl/noise", "robot", "sim", "synthetic",
-    "geometry", "metrics", "puppeteer", "evaluation/minutes", "evaluation/sensed",
+    "geometry", "metrics", "puppeteer", "evaluation/minutes",
 )  # fmt: skip
 """What a run depends on, beside the models."""
 

@@ -15,7 +15,7 @@ from studio.evaluation.contenders import contender
 from studio.evaluation.options import PolicyOptions
 from studio.evaluation.tracking import HELD_OUT, library
 from studio.reference.intent import StateName
-from studio.rl import episodes as simulate
+from studio.rl import rollouts
 from studio.training.machine import commit
 
 KICK_M_S: dict[StateName, float] = {"stand": 0.5, "walk": 0.3}
@@ -45,7 +45,7 @@ def run_kicks(options: Options = Options(), *, models: Path = MODELS) -> dict[st
             shares = []
             for kick in (size, 0.0):
                 rng = np.random.default_rng([seed, 11])
-                env = simulate.evaluation_env(
+                env = rollouts.evaluation_env(
                     bank,
                     episodes,
                     seed,

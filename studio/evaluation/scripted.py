@@ -12,7 +12,7 @@ from studio.evaluation.contenders import contender
 from studio.reference.intent import IntentTrack, StateName
 from studio.reference.motion import ReferenceMotion
 from studio.reference.realize import realize
-from studio.rl import episodes
+from studio.rl import rollouts
 from studio.rl.bank import assemble
 
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ def record(
     who = contender(controller, state, MODELS)
     if who is None:
         raise StudioError(f"no policy is trained for {state}: `a1-studio train policy`")
-    env = episodes.evaluation_env(
+    env = rollouts.evaluation_env(
         bank,
         len(motions),
         seed,

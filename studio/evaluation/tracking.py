@@ -22,7 +22,7 @@ from studio.evaluation.options import PolicyOptions
 from studio.files import fingerprint
 from studio.metrics import bootstrap_ci
 from studio.reference.intent import STATES, StateName
-from studio.rl import episodes as simulate
+from studio.rl import rollouts
 from studio.rl.bank import MotionBank, task_names
 from studio.rl.bank_store import library_bank, save_arrays
 from studio.training.machine import commit
@@ -121,7 +121,7 @@ def compare(
                     if state not in banks:
                         banks = {state: motions(state, num, HELD_OUT + 1000 * seed + chunk)}
                     env = who.environment(banks[state], num, 1000 * seed + chunk, threads)
-                    part.append(simulate.run_episodes(env, who.act))
+                    part.append(rollouts.run_episodes(env, who.act))
                     if file:
                         save_arrays(file, part[-1])
                 else:

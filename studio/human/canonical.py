@@ -11,20 +11,17 @@ from numpy.typing import NDArray
 
 from studio.human.posture import SEEN
 from studio.human.skeleton import (
-    ANKLE_HEIGHT,
     BONE_CHILD,
     BONE_LENGTH,
     BONE_PARENT,
     CHAIN,
     INDEX,
-    MIRROR,
     NUM_BONES,
     NUM_JOINTS,
 )
 
 Array = NDArray[np.float64]
 
-MIRROR_JOINTS = np.array(MIRROR)
 FLIP_Y: Array = np.array([1.0, -1.0, 1.0])
 ANKLES = np.array([INDEX["l_ankle"], INDEX["r_ankle"]])
 
@@ -58,12 +55,3 @@ def bone_directions(
 def rebuild(direction: Array) -> Array:
     """Joints (..., 19, 3) m relative to the pelvis of unit bone directions (..., 18, 3)."""
     return SCALED_CHAIN @ direction
-
-
-def pelvis_height(joint_pos: Array) -> Array | float:
-    """Pelvis above the sole of the lower foot (...) m, of rebuilt joints (..., 19, 3).
-
-    The sole is taken a fixed ANKLE_HEIGHT under the ankle: toes are the noisiest joints of every
-    sensor, and the lower foot stands flat but for tiptoe.
-    """
-    return ANKLE_HEIGHT - (joint_pos[..., ANKLES, 2] - joint_pos[..., :1, 2]).min(axis=-1)

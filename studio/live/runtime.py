@@ -8,7 +8,7 @@ from typing import Any
 from studio.control.drive_command import DriveCommand, PuppeteerConfig, Reason
 from studio.errors import StudioError
 from studio.human.calibration import Calibration, calibrate
-from studio.live.collect import Step
+from studio.live.collect_stages import Step
 from studio.live.collecting import Collector
 from studio.live.mappers import SHIPPED, Mappers, OpenedMapper
 from studio.live.reading import Acting, OpenedSource, Reading, open_for

@@ -203,13 +203,3 @@ def _check_body(pose: HumanPose) -> None:
             f"the body reaches {extent:.3g} m from its middle; positions are in metres, "
             f"{MIN_EXTENT:g} to {MAX_EXTENT:g} would fit"
         )
-
-
-def object_of(pose: HumanPose) -> dict[str, Any]:
-    """A pose as the human frame of skeleton "studio": what the gate reads back unchanged."""
-    return {
-        "t": pose.t,
-        "skeleton": "studio",
-        "positions": pose.joint_pos_w.tolist(),
-        "confidence": pose.confidence.tolist(),
-    }

@@ -1,4 +1,7 @@
-"""A motion file (BVH, or a recorded Kinect's frames) as the human side of a take."""
+"""What was recorded elsewhere to takes: a motion file becomes the human side of one.
+
+Imports nothing of the web: the helper's process runs it (`web.helper`).
+"""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -16,15 +19,31 @@ from studio.reference.stances import NEUTRAL
 from studio.robot import a1
 from studio.takes import commands
 from studio.takes.export import adding
-from studio.takes.library import SessionLibrary
 from studio.takes.names import check_take, slug, take_folder
 from studio.takes.record.meta import TAPE
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 from studio.takes.take import Take
 from studio.takes.tick import Tick, tick_at_rest
 
 SUFFIXES = (".bvh", ".jsonl", ".json", ".ndjson")
 MAX_SECONDS = 6 * 3600.0
+KINDS = (
+    f"send a take (its {TAPE}, with meta.json), a .zip of takes, a .bvh or human frames (.jsonl)"
+)
+
+
+def take_in(sessions: Path, stored: list[Path], robot: str | None) -> dict[str, Any]:
+    """Import what a page has sent: {"takes", "refused", "rejected"}; StudioError if nothing was."""
+    nothing = {"rejected": 0, "refused": {}}
+    if any(file.name == TAPE for file in stored):
+        taken, why = adding.add_all(sessions, [stored[0].parent])
+        if not taken:
+            raise StudioError("; ".join(why.values()))
+        return nothing | {"takes": taken}
+    if len(stored) == 1 and stored[0].suffix.lower() in (".zip", *SUFFIXES):
+        return nothing | import_take(sessions, stored[0], robot=robot)
+    raise StudioError(KINDS)
 
 
 def import_take(

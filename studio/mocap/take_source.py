@@ -13,7 +13,7 @@ from studio.mocap.source import Source, SourceEnded
 from studio.mocap.source_report import SourceReport, report_on
 from studio.robot import a1
 from studio.takes.export.formats import tick_range
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 
 _CALIBRATION_POSES = 300
 

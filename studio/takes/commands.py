@@ -14,9 +14,9 @@ from studio.takes.export.adding import add_all
 from studio.takes.export.episodes import episodes
 from studio.takes.export.formats import export, export_all
 from studio.takes.export.lerobot_read import import_lerobot, is_lerobot
-from studio.takes.library import SessionLibrary
 from studio.takes.record.meta import TAPE
 from studio.takes.record.repair import repair
+from studio.takes.session_library import SessionLibrary
 from studio.takes.sessions import SessionBook
 from studio.takes.take import Take
 

@@ -13,7 +13,7 @@ from studio.errors import StudioError
 from studio.reference.intent import STATES
 from studio.takes.dataset import datasets
 from studio.takes.dataset.datasets import DataSet
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 from studio.training.operator_pairs import PairSet
 
 HELD_OUT = 0.2

@@ -10,7 +10,7 @@ from typing_extensions import TypedDict
 
 from studio.control.drive_command import Reason
 from studio.control.trackers import CONTROLLERS
-from studio.live.collect import Phase
+from studio.live.collect_stages import Phase
 from studio.live.command import OneOf
 from studio.live.commands import MODES
 from studio.options import Travel

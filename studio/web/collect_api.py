@@ -9,11 +9,11 @@ from pydantic import BaseModel, Field
 from studio.errors import StudioError
 from studio.live.shown import PROMPTS
 from studio.reference.library import TASKS
+from studio.takes.as_json import plain
 from studio.takes.dataset.datamap import DataMap
 from studio.takes.sessions import SessionBook
 from studio.web.answers import answers
 from studio.web.answers_takes import CollectSession, CoverageMap, Task
-from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 
 

@@ -16,10 +16,10 @@ from pydantic import BaseModel, Field, create_model
 from studio.errors import StudioError
 from studio.live.command import misfit
 from studio.live.commands import COMMANDS, CollectAction, Command, StartTake, StopTake
-from studio.takes.library import SessionLibrary
+from studio.takes.as_json import plain
+from studio.takes.session_library import SessionLibrary
 from studio.web.answers import Judged, State, answers
 from studio.web.answers_takes import Started, Stopped
-from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 
 

@@ -7,8 +7,8 @@ from collections.abc import AsyncIterator
 
 from studio.live.faults import Faults
 from studio.live.mailbox import Latest
+from studio.takes.as_json import tick_json
 from studio.takes.tick import Tick
-from studio.web.encode import tick_json
 
 log = logging.getLogger(__name__)
 

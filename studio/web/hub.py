@@ -15,9 +15,9 @@ from studio.control.trackers import CONTROLLERS
 from studio.live.commands import Command, Result, Stop
 from studio.live.loop import LiveLoop
 from studio.reference.library import TASKS
+from studio.takes.as_json import plain
 from studio.web.access import AccessConfig
 from studio.web.desk import ControlDesk
-from studio.web.encode import plain
 from studio.web.feed import TickFeed
 from studio.web.helper import Helper
 from studio.web.keeper import Keeper

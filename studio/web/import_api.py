@@ -14,11 +14,11 @@ from fastapi import APIRouter, Request
 from starlette.datastructures import FormData, UploadFile
 
 from studio.errors import StudioError
+from studio.mocap.imports import KINDS, take_in
 from studio.takes.export.archive import FILES
 from studio.takes.names import fit_name
 from studio.web.answers import answers
 from studio.web.answers_takes import Imported
-from studio.web.file_work import KINDS, take_in
 from studio.web.hub import Hub, refused
 
 MAX_BODY = 2 * 2**30

@@ -10,11 +10,11 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from studio.errors import StudioError
 from studio.takes.align import synchrony
+from studio.takes.as_json import plain
 from studio.takes.edit import edited, review, windows
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 from studio.web.answers import answers
 from studio.web.answers_takes import Aligned, Split, TakeInfo, Timeline
-from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 
 T = TypeVar("T")

@@ -14,8 +14,8 @@ from starlette.background import BackgroundTask
 
 from studio.errors import StudioError
 from studio.takes.export.formats import export_file as export_take
-from studio.takes.library import SessionLibrary
 from studio.takes.listing import TakeInfo
+from studio.takes.session_library import SessionLibrary
 from studio.web.answers import answers
 from studio.web.answers_takes import Deleted
 from studio.web.hub import Hub, refused

@@ -12,11 +12,11 @@ from studio.errors import StudioError
 from studio.live.mappers import list_mappers, mapper_folder
 from studio.reference.intent import STATES
 from studio.retarget.store import STYLES
+from studio.takes.as_json import plain
 from studio.takes.dataset import datasets
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 from studio.web.answers import answers
 from studio.web.answers_takes import DataSet, TrainedMapper, Training
-from studio.web.encode import plain
 from studio.web.hub import Hub, refused
 from studio.web.train_jobs import TrainJobs
 

@@ -7,7 +7,7 @@ from studio.evaluation.ablation import first
 from studio.evaluation.disturbed import Disturbance, disturbed
 from studio.rl.bank import MotionBank, build_bank
 from studio.rl.env import ImitationEnv
-from studio.rl.episodes import evaluation_env
+from studio.rl.rollouts import evaluation_env
 from studio.robot import a1
 
 LIMIT = float(np.radians(120.0))

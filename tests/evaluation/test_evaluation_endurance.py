@@ -11,7 +11,7 @@ from studio.control.trackers import Tracker, TrackerInput
 from studio.errors import StudioError
 from studio.evaluation import endurance as en
 from studio.evaluation import minutes
-from studio.evaluation.sensed import Sensed
+from studio.evaluation.minutes import Sensed
 from studio.rl.noise import NoiseConfig
 from studio.sim.world import World
 from studio.synthetic.impaired import BRISK, IMPAIRMENTS, Impaired, Impairment, sent_by

@@ -5,22 +5,25 @@ from numpy.typing import NDArray
 
 from studio.human.calibration import Calibration
 from studio.human.canonical import (
+    ANKLES,
     FLIP_Y,
-    MIRROR_JOINTS,
     bone_directions,
     heading_axes,
-    pelvis_height,
     rebuild,
 )
 from studio.human.pose import HumanPose
 from studio.human.skeleton import (
+    ANKLE_HEIGHT,
     LEG_LENGTH,
+    MIRROR,
     MIRROR_BONES,
     NEUTRAL,
     NEUTRAL_DIRECTION,
 )
 
 Array = NDArray[np.float64]
+
+MIRROR_JOINTS = np.array(MIRROR)
 
 NEUTRAL_Q: Array = np.append((NEUTRAL[1:] - NEUTRAL[0]).ravel(), NEUTRAL[0, 2] / LEG_LENGTH)
 """(F,) q of the template's neutral stand: joints about the pelvis, m, and its height."""
@@ -39,7 +42,7 @@ def canonical_pose(pose: HumanPose, calibration: Calibration, mirror: bool = Fal
     if mirror:
         direction = direction[MIRROR_BONES] * FLIP_Y
     joints = rebuild(direction)
-    joints[:, 2] += pelvis_height(joints)
+    joints[:, 2] += ANKLE_HEIGHT - joints[ANKLES, 2].min()
     return joints
 
 

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from studio.human.calibration import Calibration, Calibrator, calibrate
-from studio.human.canonical import heading_axes, pelvis_height
+from studio.human.canonical import heading_axes
+from studio.human.features import FeatureExtractor
 from studio.human.pose import HumanPose
 from studio.human.posture import body_heading, is_upright
 from studio.human.skeleton import (
@@ -78,8 +79,8 @@ def test_pelvis_height_of_bent_knees_by_hand():
     d = NEUTRAL_DIRECTION.copy()
     for side in "lr":
         d[INDEX[f"{side}_knee"] - 1] = [math.sin(math.pi / 3), 0.0, -math.cos(math.pi / 3)]
-    joints = CHAIN @ (d * BONE_LENGTH[:, None])
-    assert pelvis_height(joints) == pytest.approx(0.215 + 0.42 + 0.08)
+    joints = FeatureExtractor(Calibration()).push(person(d)).joints
+    assert joints[0, 2] == pytest.approx(0.215 + 0.42 + 0.08)
 
 
 def test_unseen_arm_takes_the_neutral_direction():

@@ -3,8 +3,9 @@
 import time
 
 import pytest
+from fake_clock import FakeClock
 
-from studio.live.clock import FakeClock, Metronome, WallClock
+from studio.live.clock import Metronome, WallClock
 
 
 def test_deadlines_do_not_drift_when_a_period_is_late():

@@ -7,15 +7,15 @@ import threading
 
 import numpy as np
 import pytest
+from fake_clock import FakeClock
 
 from studio.live import commands as c
-from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop
 from studio.live.runtime import Runtime, RuntimeConfig
 from studio.live.shown import PlanItem
 from studio.takes.align import lag
-from studio.takes.library import SessionLibrary
 from studio.takes.record.tape import TapeWriter
+from studio.takes.session_library import SessionLibrary
 from studio.takes.sessions import SessionBook
 
 DT = 1.0 / 30.0

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from fake_clock import FakeClock
 
 from studio.live import commands as c
-from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop
 from studio.live.runtime import Runtime, RuntimeConfig
 

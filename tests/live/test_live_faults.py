@@ -5,9 +5,9 @@ import threading
 
 import numpy as np
 import pytest
+from fake_clock import FakeClock
 
 from studio.live import commands as c
-from studio.live.clock import FakeClock
 from studio.live.faults import AGAIN_S, RECENT_S, Faults
 from studio.live.loop import LiveLoop
 from studio.live.runtime import RuntimeConfig

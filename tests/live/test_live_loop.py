@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fake_clock import FakeClock
 from pydantic import ValidationError
 
 from studio.human.pose import HumanPose
 from studio.live import commands as c
-from studio.live.clock import FakeClock, WallClock
+from studio.live.clock import WallClock
 from studio.live.loop import LiveLoop
 from studio.live.reading import OpenedSource, open_for
 from studio.live.runtime import Runtime, RuntimeConfig

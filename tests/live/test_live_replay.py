@@ -10,8 +10,8 @@ from studio.takes.columns import columns
 from studio.takes.dataset.datamap import DataMap
 from studio.takes.edit.edits import Edits
 from studio.takes.edit.viewed import Viewed
-from studio.takes.library import SessionLibrary
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 
 DT = 1.0 / 30.0
 

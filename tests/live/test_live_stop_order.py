@@ -3,11 +3,11 @@
 import threading
 
 import pytest
+from fake_clock import FakeClock
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from studio.live import commands as c
-from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop, _Request
 from studio.live.runtime import Runtime, RuntimeConfig
 

@@ -4,11 +4,11 @@ import threading
 
 import numpy as np
 import pytest
+from fake_clock import FakeClock
 from pydantic import ValidationError
 
 from studio.human.skeleton import INDEX
 from studio.live import commands as c
-from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop
 from studio.live.runtime import Runtime, RuntimeConfig
 

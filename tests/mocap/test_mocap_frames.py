@@ -4,17 +4,17 @@ import json
 
 import numpy as np
 import pytest
+from human_frames import object_of
 
 from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.human.sensor_skeletons import SKELETONS
 from studio.human.skeleton import INDEX, JOINTS, NEUTRAL
 from studio.mocap.frames import read_frames
-from studio.mocap.gate import object_of
 from studio.mocap.imports import import_human
 from studio.sources import open_source
 from studio.sources import poses as source_poses
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 
 COUNT = 12
 

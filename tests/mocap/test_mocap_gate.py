@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 import pytest
+from human_frames import object_of
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
@@ -15,7 +16,7 @@ from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.human.sensor_skeletons import SKELETONS
 from studio.human.skeleton import INDEX, NEUTRAL
-from studio.mocap.gate import BURST, MAX_RATE, FrameGate, object_of
+from studio.mocap.gate import BURST, MAX_RATE, FrameGate
 from studio.mocap.raw_frame import MAX_BYTES, FrameRejected
 
 

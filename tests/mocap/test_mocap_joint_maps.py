@@ -10,7 +10,7 @@ from studio.human.joint_names import MAPPABLE, UnmappedJoints
 from studio.mocap.imports import import_take
 from studio.mocap.joint_maps import FOLDER, JointMaps, joint_map_of, read_joint_map
 from studio.sources import open_source
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 
 ITALIAN = Names(
     left="SX", right="DX",

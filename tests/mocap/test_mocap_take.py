@@ -10,8 +10,8 @@ from studio.errors import StudioError
 from studio.mocap.source import Source, SourceEnded
 from studio.mocap.take_source import TakeSource
 from studio.robot import a1
-from studio.takes.library import SessionLibrary
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 
 
 @pytest.fixture

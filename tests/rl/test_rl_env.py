@@ -17,8 +17,8 @@ from studio.rl.bank import MotionBank, build_bank, task_names, warp
 from studio.rl.curriculum import Curriculum, Stage, stages
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
-from studio.rl.episodes import evaluation_env, pd_playback, run_episodes, stand_still
 from studio.rl.noise import NoiseConfig
+from studio.rl.rollouts import evaluation_env, pd_playback, run_episodes, stand_still
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotState
 

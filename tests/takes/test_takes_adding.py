@@ -15,8 +15,8 @@ from studio.mocap.imports import import_take
 from studio.takes.columns import columns
 from studio.takes.edit.edits import edit
 from studio.takes.export import adding, archive
-from studio.takes.library import SessionLibrary
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 from studio.takes.take import read_take, survey_take
 
 

@@ -18,19 +18,19 @@ from studio.errors import StudioError
 from studio.live.mappers import list_mappers, open_mapper
 from studio.mocap.take_source import TakeSource
 from studio.takes import commands
+from studio.takes.as_json import tick_json
 from studio.takes.columns import columns
 from studio.takes.dataset import datasets
 from studio.takes.dataset.datamap import DataMap
 from studio.takes.edit import edited, edits, review
 from studio.takes.export import archive
 from studio.takes.export.formats import FORMATS
-from studio.takes.library import SessionLibrary
 from studio.takes.record import tape
 from studio.takes.record.codec import SCHEMAS
 from studio.takes.record.recorder import Recorder
 from studio.takes.record.tape import Message, TapeScan, TapeWriter, scan
+from studio.takes.session_library import SessionLibrary
 from studio.takes.take import read_take, survey_take
-from studio.web.encode import tick_json
 
 DEEP = b"[" * 100_000 + b"]" * 100_000
 

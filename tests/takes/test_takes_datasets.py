@@ -16,7 +16,7 @@ from studio.human.features import clip_features
 from studio.human.pose import HumanClip
 from studio.reference.intent import STATES
 from studio.takes.dataset import datasets, pairs
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 from studio.takes.take import read_take
 from studio.training.take_pairs import read_pairs
 

@@ -6,7 +6,7 @@ import pytest
 
 from studio.sources import open_source
 from studio.takes.commands import list_takes, verify_takes
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 
 SESSIONS = Path(__file__).parents[2] / "sessions"
 EXAMPLES = ("example-cmu-march", "example-tilt-and-reach")

@@ -24,8 +24,8 @@ from studio.takes.dataset import pairs_file
 from studio.takes.dataset.pairs import take_pairs
 from studio.takes.edit import edited
 from studio.takes.export import formats as exports
-from studio.takes.library import SessionLibrary
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 from studio.takes.take import read_take
 
 LAG_FRAMES = 12

@@ -39,7 +39,7 @@ from studio.takes.columns import columns
 from studio.takes.export.formats import export
 from studio.takes.record.recorder import Recorder
 from studio.takes.take import read_take
-from studio.web.encode import tick_json
+from studio.takes.as_json import tick_json
 
 root, older = Path(sys.argv[1]), Path(sys.argv[2])
 recorder = Recorder(root)

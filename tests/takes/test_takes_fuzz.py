@@ -15,8 +15,8 @@ from studio.takes.columns import columns
 from studio.takes.dataset.pairs import take_pairs
 from studio.takes.edit import review
 from studio.takes.edit.edits import EDITS, FIELDS, Edits, read_edits
-from studio.takes.library import SessionLibrary
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 from studio.takes.take import read_take
 
 fuzzed = settings(

@@ -29,7 +29,7 @@ from studio.synthetic import Person
 from studio.takes.align import lag, synchrony
 from studio.takes.dataset import datasets, pairs
 from studio.takes.edit import edited
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 from studio.takes.sessions import SessionBook
 
 SENSORS = ("mocap", "kinect", "webcam")

@@ -11,9 +11,9 @@ from mcap.reader import make_reader
 
 from studio.errors import StudioError
 from studio.takes import commands
-from studio.takes.library import SessionLibrary
 from studio.takes.record.codec import SCHEMAS
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 from studio.takes.take import read_take
 
 WRITER = Path(__file__).with_name("write_until_killed.py")

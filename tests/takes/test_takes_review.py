@@ -13,11 +13,11 @@ from studio.errors import StudioError
 from studio.takes import commands
 from studio.takes.align import synchrony
 from studio.takes.columns import ROW, VERSION, Columns, columns
-from studio.takes.dataset import findings
+from studio.takes.dataset import cleaning
 from studio.takes.edit import edited, review, windows
 from studio.takes.edit.edits import Edits, edit, read_edits
-from studio.takes.library import SessionLibrary
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 from studio.takes.take import read_take
 
 DT = 1.0 / 30.0
@@ -212,18 +212,18 @@ def spoiled(rows: np.ndarray) -> np.ndarray:
 
 def test_faults_are_suggested_where_they_are(library: SessionLibrary):
     table = columns(library.folder("one"))
-    found = findings.suggestions(Columns(rows=spoiled(table.rows), names=table.names))
+    found = cleaning.take_suggestions(Columns(rows=spoiled(table.rows), names=table.names))
     by_kind = {s.kind: s for s in found}
     assert by_kind["frozen"].start == pytest.approx(2.0, abs=DT)
     assert by_kind["frozen"].end == pytest.approx(89 * DT, abs=DT)
     assert by_kind["dropped"].start == pytest.approx(199 * DT, abs=DT)
     # Where a block ends no fault is found twice or missed.
     for seconds in (2.1, 3.0, 5.5):
-        size, findings.BLOCK_S = findings.BLOCK_S, seconds
+        size, cleaning.BLOCK_S = cleaning.BLOCK_S, seconds
         try:
-            again = findings.suggestions(Columns(rows=spoiled(table.rows), names=table.names))
+            again = cleaning.take_suggestions(Columns(rows=spoiled(table.rows), names=table.names))
         finally:
-            findings.BLOCK_S = size
+            cleaning.BLOCK_S = size
         assert [s.kind for s in again].count("dropped") == 1
         assert [s.kind for s in again].count("frozen") >= 1
 

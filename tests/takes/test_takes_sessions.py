@@ -5,7 +5,7 @@ from datetime import date
 import pytest
 
 from studio.errors import StudioError
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 from studio.takes.sessions import SessionBook, session_name
 
 

@@ -13,8 +13,8 @@ from studio.takes import commands
 from studio.takes.edit.edits import edit
 from studio.takes.export.episodes import episodes
 from studio.takes.export.lerobot import features
-from studio.takes.library import SessionLibrary
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 from studio.takes.sessions import SessionBook, session_name
 from studio.takes.take import read_take
 

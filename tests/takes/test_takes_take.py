@@ -17,10 +17,10 @@ from mcap.records import Message as McapMessage
 from mcap.stream_reader import StreamReader
 
 from studio.errors import StudioError
-from studio.takes.library import SessionLibrary
 from studio.takes.record import recorder as recorder_module
 from studio.takes.record.codec import SCHEMAS
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 from studio.takes.take import iter_ticks, read_take
 
 WRITER = Path(__file__).with_name("write_until_killed.py")

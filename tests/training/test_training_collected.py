@@ -5,11 +5,11 @@ import threading
 
 import numpy as np
 import pytest
+from fake_clock import FakeClock
 
 from studio.errors import StudioError
-from studio.live import collect
+from studio.live import collect_stages
 from studio.live import commands as c
-from studio.live.clock import FakeClock
 from studio.live.loop import LiveLoop
 from studio.live.runtime import Runtime, RuntimeConfig
 from studio.live.shown import PlanItem
@@ -27,7 +27,7 @@ def collected(tmp_path_factory):
     """Two takes of a tilt by the synthetic operator, collected on a fake clock."""
     with pytest.MonkeyPatch.context() as patch:
         for pause in ("COUNTDOWN_S", "HANDS_FREE_REVIEW_S", "HANDS_FREE_READY_S"):
-            patch.setattr(collect, pause, 0.5)  # nobody has to get ready
+            patch.setattr(collect_stages, pause, 0.5)  # nobody has to get ready
         return collect_tilts(tmp_path_factory.mktemp("sessions"))
 
 

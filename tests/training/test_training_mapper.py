@@ -5,9 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from canonical_people import MIRROR_JOINTS
 
 from studio import geometry
-from studio.human.canonical import MIRROR_JOINTS
 from studio.human.features import FEATURE_DIM, clip_features, mirror_features
 from studio.human.pose import HumanClip
 from studio.reference.library import TASKS

@@ -11,7 +11,7 @@ from tensordict import TensorDict
 
 from studio.control.policy import Policy, save_policy
 from studio.errors import StudioError
-from studio.rl import episodes
+from studio.rl import rollouts
 from studio.rl.bank import MotionBank, build_bank
 from studio.rl.curriculum import Curriculum, Stage
 from studio.rl.env import ImitationEnv
@@ -293,8 +293,8 @@ def test_ppo_alone_learns_to_keep_a_sitting_robot_up(tmp_path: Path) -> None:
     bank = build_bank("sit", per_task=4, seconds=4.0, difficulties=(1.0,))
     stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=1.0)
 
-    def figures(act: episodes.Act) -> np.ndarray:
-        out = episodes.run_episodes(episodes.evaluation_env(bank, 128, 100, threads=1), act)
+    def figures(act: rollouts.Act) -> np.ndarray:
+        out = rollouts.run_episodes(rollouts.evaluation_env(bank, 128, 100, threads=1), act)
         joints = np.degrees(np.sqrt(out["joint_ms"].mean()))
         return np.array([out["tracked_time"].mean(), out["success_time"].mean(), joints])
 
@@ -311,8 +311,8 @@ def test_ppo_alone_learns_to_keep_a_sitting_robot_up(tmp_path: Path) -> None:
             alone.step()
         weights = tmp_path / f"{seed}.safetensors"
         save_policy(weights, alone.tensors(), alone.manifest(scores={}))
-        learnt.append(figures(episodes.policy_of(Policy.load(weights))))
-    more = np.mean(learnt, axis=0) - figures(episodes.pd_playback)
+        learnt.append(figures(rollouts.policy_of(Policy.load(weights))))
+    more = np.mean(learnt, axis=0) - figures(rollouts.pd_playback)
     assert more[0] > 0.1
     assert more[1] > 0.03
     assert more[2] < -0.3

@@ -10,9 +10,9 @@ import threading
 import time
 
 import pytest
+from fake_clock import FakeClock
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
-from studio.live.clock import FakeClock
 from studio.web import doors, sockets
 from studio.web.doors import Budget, TimelyHttp, Turns
 

@@ -519,7 +519,7 @@ def test_a_tick_is_json_even_when_the_robot_is_not_finite(studio_live):
     from dataclasses import fields, replace
 
     from studio.robot.pose import ReferencePose
-    from studio.web.encode import tick_json
+    from studio.takes.as_json import tick_json
 
     zero = np.zeros(12)
     pose = {"base_pos": np.zeros(3), "base_quat": np.array([1.0, 0, 0, 0]), "joint_pos": zero}

@@ -14,7 +14,7 @@ from served import Served
 
 from studio.synthetic.operator import OperatorSource
 from studio.takes.export.bvh import write_bvh
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(600)]
 

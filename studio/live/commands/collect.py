@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 from pydantic import AfterValidator, Field
 
 from studio.errors import StudioError
-from studio.live.collect import ACTIONS, CollectPlan, Slot
+from studio.live.collect_stages import ACTIONS, CollectPlan, Slot
 from studio.live.collecting import draw_slots
 from studio.live.command import Command, Made, OneOf
 from studio.live.shown import PlanItem

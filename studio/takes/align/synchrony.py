@@ -21,8 +21,8 @@ from studio.takes.columns import CACHE, Columns, columns
 from studio.takes.edit import edits as edit_log
 from studio.takes.edit.edited import ends, human_rows, kept
 from studio.takes.edit.edits import Edits
-from studio.takes.library import SessionLibrary
 from studio.takes.record.meta import TAPE, read_meta
+from studio.takes.session_library import SessionLibrary
 from studio.takes.sessions import SessionBook
 
 ALIGN_S = 120.0

@@ -1,7 +1,7 @@
 """Noisy human frames to suggestions: what to cut, where and why; the operator decides.
 
-Pure functions over a take's human stream: t (T,) s ascending, joint_pos_w (T, 19, 3) m,
-confidence (T, 19) in [0, 1]. Nothing here changes data.
+Functions over a take's human stream, whole or block by block: t (T,) s ascending, joint_pos_w
+(T, 19, 3) m, confidence (T, 19) in [0, 1]. Nothing here changes data.
 """
 
 from dataclasses import dataclass
@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.human.skeleton import INDEX, JOINTS
+from studio.robot import a1
+from studio.takes.columns import Columns
 
 Array = NDArray[np.float64]
 
@@ -21,6 +23,8 @@ JITTER_M = 0.035
 """Median second difference over a window, m; 30 Hz webcam noise of 15 mm gives about 0.04."""
 WINDOW_S = 0.3
 LOW_CONFIDENCE = 0.3
+BLOCK_S, OVERLAP_S = 60.0, 1.0
+"""s of a block in which suggestions are looked for, and how far blocks overlap."""
 SWAP_MIN_JUMP_M = 0.15
 LIMBS: tuple[tuple[str, ...], ...] = (
     ("elbow", "wrist"),
@@ -154,3 +158,51 @@ def _suggest(kind: str, start: float, end: float, share: float, message: str) ->
     return Suggestion(
         kind=kind, start=float(start), end=float(end), share=float(share), message=message
     )
+
+
+def take_suggestions(table: Columns) -> list[Suggestion]:
+    """Everything found in a take's human stream, at times of the take; block by block."""
+    size, more = round(BLOCK_S * a1.CONTROL_HZ), round(OVERLAP_S * a1.CONTROL_HZ)
+    out: list[Suggestion] = []
+    for first, rows in table.blocks(size, more):
+        at = np.flatnonzero(rows["fresh"])
+        if len(at) < 3:
+            continue
+        t, used = np.asarray(rows["human_t"][at]), (first + at) / a1.CONTROL_HZ
+        if not np.all(np.diff(t) > 0.0):
+            t = used  # a source that looped: the time of use stands in
+        pos = np.asarray(rows["human"][at], dtype=np.float64)
+        confidence = np.asarray(rows["confidence"][at], dtype=np.float64)
+        for s in suggestions(t, pos, confidence):
+            start, end = np.interp([s.start, s.end], t, used)
+            out.append(
+                Suggestion(kind=s.kind, start=start, end=end, share=s.share, message=s.message)
+            )
+    return _merged(out)
+
+
+def _merged(found: list[Suggestion]) -> list[Suggestion]:
+    """Those of a kind that overlap (blocks do) as one, in order of time."""
+    out: list[Suggestion] = []
+    last: dict[str, int] = {}
+    for s in sorted(found, key=lambda s: (s.start, s.end)):
+        i = last.get(s.kind)
+        if i is not None and s.start < out[i].end - 1e-9:
+            a = out[i]
+            out[i] = Suggestion(
+                kind=s.kind,
+                start=a.start,
+                end=max(a.end, s.end),
+                share=max(a.share, s.share),
+                message=a.message,
+            )
+        else:
+            last[s.kind] = len(out)
+            out.append(s)
+    return out
+
+
+def touches(s: Suggestion, keep: NDArray[np.bool_]) -> bool:
+    """Whether any tick of the suggestion, from start to end s, is kept (T,)."""
+    a, b = int(s.start * a1.CONTROL_HZ), int(np.ceil(s.end * a1.CONTROL_HZ)) + 1
+    return bool(keep[a:b].any())

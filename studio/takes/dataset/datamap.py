@@ -17,8 +17,8 @@ from studio.takes.dataset import coverage as cover
 from studio.takes.dataset.coverage import AXES, ENOUGH, Coverage
 from studio.takes.edit.edited import kept
 from studio.takes.edit.edits import EDITS, read_edits
-from studio.takes.library import SessionLibrary
 from studio.takes.record.meta import read_meta
+from studio.takes.session_library import SessionLibrary
 
 TASK_OF = {"forward": "walk"}
 """What the map calls a task and the library calls otherwise."""

@@ -29,9 +29,9 @@ from studio.takes.dataset.manifest import read_manifest
 from studio.takes.dataset.pairs import Pairs, settled, take_pairs, walked_in, why_none
 from studio.takes.dataset.pairs_file import content_hash, read_table, schema, statistics, table_of
 from studio.takes.edit.edits import Edits
-from studio.takes.library import SessionLibrary
 from studio.takes.names import check_name
 from studio.takes.record.meta import TAPE
+from studio.takes.session_library import SessionLibrary
 
 DATASETS, TABLE, MANIFEST = "datasets", "pairs.parquet", "manifest.json"
 FORMAT_VERSION = 1

@@ -24,8 +24,8 @@ from studio.takes.align import synchrony
 from studio.takes.columns import Columns, columns
 from studio.takes.edit import edited
 from studio.takes.edit.edits import Edits, read_edits
-from studio.takes.library import SessionLibrary
 from studio.takes.record.meta import MetaLost, read_meta
+from studio.takes.session_library import SessionLibrary
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]

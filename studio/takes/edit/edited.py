@@ -11,7 +11,7 @@ from studio.robot import a1
 from studio.takes.columns import Columns, columns
 from studio.takes.edit import edits as edit_log
 from studio.takes.edit.edits import Edits
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 
 Array = NDArray[np.float64]
 

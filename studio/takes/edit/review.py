@@ -14,13 +14,12 @@ from studio.robot import a1
 from studio.takes.align.alignment import Alignment
 from studio.takes.align.synchrony import align, liveliest, session_curves
 from studio.takes.columns import columns
-from studio.takes.dataset.cleaning import Suggestion
-from studio.takes.dataset.findings import suggestions, touches
+from studio.takes.dataset.cleaning import Suggestion, take_suggestions, touches
 from studio.takes.dataset.quality import Quality, median_jerk, quality
 from studio.takes.edit import edits as edit_log
 from studio.takes.edit.edited import kept
 from studio.takes.edit.edits import Edits
-from studio.takes.library import SessionLibrary
+from studio.takes.session_library import SessionLibrary
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +60,7 @@ def review(library: SessionLibrary, name: str) -> Review:
         raise StudioError(f"take {name} holds no tick that could be reviewed: delete it")
     keep = kept(len(table), edits)
     seconds = float(keep.sum()) / a1.CONTROL_HZ
-    found = [s for s in suggestions(table) if touches(s, keep)]
+    found = [s for s in take_suggestions(table) if touches(s, keep)]
     before, proposed = align(table, edits, session_curves(library, name))
     left = None
     if before is not None and proposed is not None:

@@ -17,8 +17,8 @@ from studio.takes.dataset.pairs import take_pairs, why_none
 from studio.takes.dataset.pairs_file import table_of
 from studio.takes.export.bvh import some_poses
 from studio.takes.export.extent import tick_range
-from studio.takes.library import SessionLibrary
 from studio.takes.record import codec
+from studio.takes.session_library import SessionLibrary
 from studio.takes.take import Take
 from studio.takes.tick import fields_in
 

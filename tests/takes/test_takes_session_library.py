@@ -12,8 +12,8 @@ from make_ticks import make_ticks
 from studio.errors import StudioError
 from studio.takes import commands
 from studio.takes.edit.edits import EDITS, edit, read_edits, redo, undo
-from studio.takes.library import SessionLibrary
 from studio.takes.record.recorder import Recorder
+from studio.takes.session_library import SessionLibrary
 
 WRITER = Path(__file__).with_name("write_until_killed.py")
 

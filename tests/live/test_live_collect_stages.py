@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from studio.errors import StudioError
-from studio.live.collect import COUNTDOWN_S, HANDS_FREE_REVIEW_S, Collect, CollectPlan
+from studio.live.collect_stages import COUNTDOWN_S, HANDS_FREE_REVIEW_S, Collect, CollectPlan
 from studio.live.collecting import draw_slots
 from studio.live.shown import QUIET_S, PlanItem, draw_motion
 from studio.reference.check import check
