@@ -1,4 +1,4 @@
-"""A client that sends as fast as it can, in a process of its own: what `bench_stop` measures under.
+"""A client that sends as fast as it can, in a process of its own: what `bench.stop` measures under.
 
 python -m studio.bench.flood KIND PORT TOKEN
 """

@@ -126,7 +126,7 @@ def look_at(root: Path, name: str) -> dict[str, float]:
     when it needs room, are counted in `review_mapped_mb` besides.
     """
     from studio.takes.edit import edited, review, windows
-    from studio.takes.edit.viewed import Viewed
+    from studio.takes.edit.edited import Viewed
 
     library = SessionLibrary(root)
     before = _memory()

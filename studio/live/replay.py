@@ -8,9 +8,8 @@ import numpy as np
 from studio.errors import StudioError
 from studio.robot.a1 import CONTROL_DT
 from studio.takes.columns import Columns
-from studio.takes.edit.edited import open_table
+from studio.takes.edit.edited import Viewed, open_table
 from studio.takes.edit.edits import Edits
-from studio.takes.edit.viewed import Viewed
 from studio.takes.tick import Tick
 
 SPEEDS = (0.1, 4.0)
@@ -29,7 +28,7 @@ class Replay:
     def __init__(
         self, name: str, table: Columns, edits: Edits | None = None, *, aligned: bool = True
     ) -> None:
-        """As `takes.edit.viewed`: StudioError for a take without ticks."""
+        """As `takes.edit.edited.Viewed`: StudioError for a take without ticks."""
         self._take = Viewed(name, table, edits, aligned=aligned)
         self._shown = -1
         self.name, self.seconds = name, self._take.seconds

@@ -8,8 +8,8 @@ from studio.errors import StudioError
 from studio.live.replay import Replay
 from studio.takes.columns import columns
 from studio.takes.dataset.datamap import DataMap
+from studio.takes.edit.edited import Viewed
 from studio.takes.edit.edits import Edits
-from studio.takes.edit.viewed import Viewed
 from studio.takes.record.recorder import Recorder
 from studio.takes.session_library import SessionLibrary
 

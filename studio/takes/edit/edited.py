@@ -1,5 +1,6 @@
-"""A take's table as its edits leave it: what is kept, and which human pose belongs to a tick."""
+"""A take's table as its edits leave it: what is kept, who belongs to a tick, a row as a Tick."""
 
+from dataclasses import replace
 from math import ceil
 from pathlib import Path
 
@@ -7,11 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
+from studio.human.pose import HumanPose
 from studio.robot import a1
-from studio.takes.columns import Columns, columns
+from studio.takes.columns import Columns, columns, tick_of
 from studio.takes.edit import edits as edit_log
 from studio.takes.edit.edits import Edits
 from studio.takes.session_library import SessionLibrary
+from studio.takes.tick import Tick
 
 Array = NDArray[np.float64]
 
@@ -73,3 +76,46 @@ def human_at(table: Columns, at: Array) -> tuple[Array, Array]:
         (1.0 - w) * pos[low - first] + np.where(w > 0.0, w * pos[high - first], 0.0),
         np.minimum(confidence[low - first], confidence[high - first]).astype(np.float64),
     )
+
+
+class Viewed:
+    """A take at any time, as recorded or as its edits leave it: a row of its table as a Tick.
+
+    Rows are read as they are needed (`takes.columns`): an hour is as near as a minute. edits: None
+    for the take as it was recorded, the person when they were seen. aligned: the person as lag and
+    warp put them; else in the row in which they were recorded.
+    """
+
+    def __init__(
+        self, name: str, table: Columns, edits: Edits | None = None, *, aligned: bool = True
+    ) -> None:
+        """StudioError for a take without ticks."""
+        if not len(table):
+            raise StudioError(f"take {name!r} holds no ticks: nothing to show")
+        self._table, self._edits, self.aligned = table, edits, aligned
+        self.seconds = (len(table) - 1) * a1.CONTROL_DT
+
+    def at(self, t: float) -> Tick:
+        """The take at `t` s, to the nearest row."""
+        i = int(np.clip(round(t / a1.CONTROL_DT), 0, len(self._table) - 1))
+        tick = tick_of(self._table, i, self._human(i))
+        if self._edits is None:
+            return tick
+        # The person of another row is as new in each.
+        return replace(tick, mode="replay", controller="recorded", human_fresh=True)
+
+    def _human(self, i: int) -> HumanPose | None:
+        edits, t = self._edits, i * a1.CONTROL_DT
+        if edits is None:
+            t = float(self._table.rows["human_t"][i])
+        at = np.array([float(i)])
+        if edits is not None and self.aligned:
+            at = human_rows(np.array([i]), edits)
+        joints, confidence = human_at(self._table, at)
+        if not np.isfinite(joints).all():
+            return None
+        return HumanPose(
+            t=t,
+            joint_pos_w=np.asarray(joints[0], dtype=np.float64),
+            confidence=np.asarray(confidence[0], dtype=np.float64),
+        )
