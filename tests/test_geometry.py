@@ -1,12 +1,17 @@
 """Rotations obey their axioms, single and batched."""
 
+from functools import partial
+
 import numpy as np
 import pytest
+import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from studio import geometry
+from studio.geometry import scalars
+from studio.training import losses, mapper_net
 
 settings.register_profile("spatial", max_examples=60, deadline=None)
 settings.load_profile("spatial")
@@ -150,6 +155,32 @@ def test_everything_works_on_batches_as_on_singles():
         for i in np.ndindex(3, 5):
             one = function(*(x[i] for x in args))
             np.testing.assert_allclose(one, batch[i], atol=1e-12, err_msg=function.__name__)
+
+
+@given(quats, quats, vectors)
+def test_the_formulas_by_component_are_scipy_s(a, b, v):
+    close = partial(np.testing.assert_allclose, atol=1e-12)
+    product = np.roll((scipy_rotation(a) * scipy_rotation(b)).as_quat(), 1)
+    close(geometry.quat_positive(scalars.mul(a, b)), geometry.quat_positive(product))
+    turn = scipy_rotation(a)
+    close(scalars.turn(a, v), turn.apply(v))
+    close(scalars.rows(a), turn.as_matrix())
+    close(scalars.rotate(scalars.rows(a), v), turn.apply(v))
+    close(scalars.rotate_back(scalars.rows(a), v), turn.apply(v, inverse=True))
+    close(scalars.turn(scalars.conj(a), v), turn.apply(v, inverse=True))
+    close(scalars.turn(scalars.yaw(v[0]), v), Rotation.from_euler("Z", v[0]).apply(v))
+    close(scalars.rows(scalars.from_rotvec(v)), Rotation.from_rotvec(v).as_matrix())
+    close(scalars.rows(scalars.from_rotvec(scalars.rotvec(a))), turn.as_matrix())
+
+
+def test_a_tensor_is_turned_and_multiplied_by_the_same_formulas():
+    rng = np.random.default_rng(1)
+    a, b = geometry.normalize(rng.normal(size=(2, 7, 4)))
+    v = rng.normal(size=(7, 4, 3))
+    product = mapper_net.quat_mul(torch.tensor(a), torch.tensor(b)).numpy()
+    np.testing.assert_allclose(product, geometry.quat_mul(a, b), atol=1e-12)
+    turned = losses.rotate(torch.tensor(a), torch.tensor(v)).numpy()
+    np.testing.assert_allclose(turned, geometry.quat_rotate(a[:, None], v), atol=1e-12)
 
 
 def test_first_velocity_repeats_the_second_and_one_frame_has_none():

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
-from studio.reference import scalars, stances
+from studio.geometry import scalars
+from studio.reference import stances
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL, NEUTRAL_FEET, fit_plane
 from studio.robot import a1, kinematics

@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.reference import scalars
+from studio.geometry import scalars
 from studio.reference.stances import JOINT_SPEED
 from studio.robot import kinematics
 from studio.robot.pose import RobotPose
@@ -165,7 +165,7 @@ class RearLegPivot(PoseInterpolation):
 
 def _thigh(pose: RobotPose) -> float:
     """Angle of the rear thighs against the vertical, rad; > 0: the knee behind the hip."""
-    nose = scalars.rows(pose.base_quat.tolist())[2][0]
+    nose = scalars.row_z(pose.base_quat.tolist())[0]
     thighs = pose.joint_pos[[7, 10]].tolist()
     return 0.5 * sum(thighs) - math.asin(min(max(nose, -1.0), 1.0))
 

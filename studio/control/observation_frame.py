@@ -14,9 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
-from studio.reference import scalars
+from studio.geometry import scalars
+from studio.geometry.scalars import Matrix
 from studio.reference.intent import StateName
-from studio.reference.scalars import Matrix
 from studio.robot.pose import ReferencePose, RobotState
 
 Array = NDArray[np.float64]
@@ -57,10 +57,9 @@ def heading_of(quat: Array, level: Array) -> Array:
     The levelled x axis, seen from the trunk, is the first row of R(level); turned into the world
     and laid on the ground.
     """
-    a, b, c = scalars.matrix(level.tolist())[0].tolist()
-    w, x, y, z = quat[..., 0], quat[..., 1], quat[..., 2], quat[..., 3]
-    east = (1 - 2 * (y * y + z * z)) * a + 2 * (x * y - w * z) * b + 2 * (x * z + w * y) * c
-    north = 2 * (x * y + w * z) * a + (1 - 2 * (x * x + z * z)) * b + 2 * (y * z - w * x) * c
+    nose = scalars.row_x(level.tolist())
+    q = (quat[..., 0], quat[..., 1], quat[..., 2], quat[..., 3])
+    east, north = (scalars.dot(row(q), nose) for row in (scalars.row_x, scalars.row_y))
     return np.arctan2(north, east)
 
 
@@ -110,7 +109,7 @@ def reference_frame(
 
 def one_sensor_frame(robot: RobotState, level: Matrix, yaw_rate: bool) -> Array:
     """`sensor_frame` of one robot (17,) or (16,); level: the rows of its state's T_level_base."""
-    roll, pitch = _one_tilt(scalars.rows(robot.base_quat.tolist())[2], level)
+    roll, pitch = _one_tilt(scalars.row_z(robot.base_quat.tolist()), level)
     rates = scalars.rotate(level, robot.base_ang_vel_b.tolist())
     return np.array([*robot.joint_pos.tolist(), roll, pitch, *(rates if yaw_rate else rates[:2])])
 

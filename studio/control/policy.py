@@ -16,8 +16,8 @@ from studio.control.observation_frame import one_reference_frame, one_sensor_fra
 from studio.control.symmetry import observation_mirror
 from studio.errors import StudioError
 from studio.files import whole, write_whole
+from studio.geometry import scalars
 from studio.paths import package_folder
-from studio.reference import scalars
 from studio.reference.intent import STATES
 from studio.robot import a1
 from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN

@@ -23,7 +23,7 @@ from studio.control.interpolation import (
     minimum_jerk,
     trapezoid,
 )
-from studio.reference import scalars
+from studio.geometry import scalars
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL, NEUTRAL_FEET, fit_plane, rear_yaw
 from studio.robot import a1, kinematics

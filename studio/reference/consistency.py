@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.reference import scalars
+from studio.geometry import scalars
 from studio.reference.contact_lock import ContactConfig, ContactLock
 from studio.reference.motion import ReferenceMotion
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.reference import scalars
-from studio.reference.scalars import Vec
+from studio.geometry import scalars
+from studio.geometry.scalars import Vec
 from studio.robot import a1, single
 
 Array = NDArray[np.float64]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
-from studio.reference import scalars
+from studio.geometry import scalars
 from studio.reference.consistency import limit_speed, limit_turn
 from studio.reference.contact_lock import ContactConfig, ContactLock
 from studio.reference.intent import StateName

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
-from studio.reference import scalars
+from studio.geometry import scalars
 from studio.retarget.network import Mlp
 from studio.robot import a1
 

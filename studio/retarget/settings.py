@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError, unknown_name
-from studio.reference import scalars
+from studio.geometry import scalars
 from studio.robot import a1, kinematics
 
 Array = NDArray[np.float64]

@@ -1,11 +1,10 @@
 """Intents of walking → what an expert says of them: the generator's own steps, frame by frame."""
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
+from studio.geometry import scalars
 from studio.reference.intent import Intent
 from studio.reference.realize import Realizer
 from studio.retarget.mapper import NUM_RATES, RATES, Mapped
@@ -30,7 +29,7 @@ class Striding:
         yaw = float(geometry.heading(pose.base_quat))
         turned = geometry.wrap_angle(yaw - self.place[1])
         self.place = (pose.base_pos[:2], yaw)
-        heading = np.array([math.cos(0.5 * yaw), 0.0, 0.0, math.sin(0.5 * yaw)])
+        heading = np.array(scalars.yaw(yaw))
         rates = np.zeros(NUM_RATES)
         rates[RATES["joint_vel"]] = pose.joint_vel
         rates[RATES["base_lin_vel"]] = geometry.quat_rotate_inverse(heading, pose.base_lin_vel_w)

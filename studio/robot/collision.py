@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studio import geometry
 from studio.robot import a1, legs
 
 Array = NDArray[np.float64]
@@ -76,16 +77,8 @@ def link_capsules(joint_pos: ArrayLike) -> tuple[Array, Array, Array]:
     """Starts and ends (..., N, 3) of CAPSULES in the base frame, and their radii (N,) m."""
     pos, quat = legs.link_frames_b(joint_pos)
     pos, quat = pos[..., _LINK, :], quat[..., _LINK, :]
-    return pos + _rotate(quat, _START), pos + _rotate(quat, _END), _RADIUS
-
-
-def _rotate(q: Array, v: Array) -> Array:
-    """Rotate (N, 3) by unit quaternions (..., N, 4): v + 2 u x (u x v + w v), without np.cross."""
-    w, ux, uy, uz = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
-    x, y, z = v[..., 0], v[..., 1], v[..., 2]
-    cx, cy, cz = uy * z - uz * y + w * x, uz * x - ux * z + w * y, ux * y - uy * x + w * z
-    turned = [uy * cz - uz * cy, uz * cx - ux * cz, ux * cy - uy * cx]
-    return v + 2.0 * np.stack(turned, axis=-1)
+    start, end = (pos + geometry.quat_rotate(quat, v) for v in (_START, _END))
+    return start, end, _RADIUS
 
 
 def pair_distances(joint_pos: ArrayLike) -> Array:

@@ -23,8 +23,6 @@ _LOWER = a1.JOINT_LOWER.reshape(4, 3)
 _UPPER = a1.JOINT_UPPER.reshape(4, 3)
 _THIGH_MIDDLE = 0.5 * (_LOWER[:, 1] + _UPPER[:, 1])
 # i b = (-x, w, -z, y), j b = (-y, z, w, -x), k b = (-z, -y, x, w) for b = (w, x, y, z)
-_PERMUTE = np.array([[1, 0, 3, 2], [2, 3, 0, 1], [3, 2, 1, 0]])
-_SIGN = np.array([[-1.0, 1.0, -1.0, 1.0], [-1.0, 1.0, 1.0, -1.0], [-1.0, -1.0, 1.0, 1.0]])
 
 
 def _split(joint_pos: ArrayLike) -> tuple[Array, Array, Array]:
@@ -62,22 +60,8 @@ def _leg_points(a: Array, b: Array, c: Array) -> Array:
 
 def to_world(base_pos: ArrayLike, base_quat: ArrayLike, points_b: ArrayLike) -> Array:
     """Points (..., N, 3) from the base frame to the world: p_w = R(base_quat) p_b + base_pos."""
-    quat = np.asarray(base_quat, dtype=np.float64)
-    rot = _matrix(quat) if quat.ndim == 1 else geometry.quat_to_matrix(quat)
-    points = np.asarray(points_b) @ np.swapaxes(rot, -1, -2)
+    points = np.asarray(points_b) @ np.swapaxes(geometry.quat_to_matrix(base_quat), -1, -2)
     return points + np.asarray(base_pos, dtype=np.float64)[..., None, :]
-
-
-def _matrix(quat: Array) -> Array:
-    """One rotation matrix in plain floats: six times faster than arrays of one element."""
-    w, x, y, z = quat.tolist()
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 def foot_pos_w(base_pos: ArrayLike, base_quat: ArrayLike, joint_pos: ArrayLike) -> Array:
@@ -177,15 +161,8 @@ def link_frames_w(
     """Position (..., 13, 3) and orientation (..., 13, 4) of a1.LINKS in the world."""
     pos, quat = link_frames_b(joint_pos)
     base_quat = np.asarray(base_quat, dtype=np.float64)
-    return to_world(base_pos, base_quat, pos), _compose(base_quat[..., None, :], quat)
-
-
-def _compose(a: Array, b: Array) -> Array:
-    """Hamilton product as a sum of four signed permutations: fewer array operations."""
-    out = a[..., :1] * b
-    for i in range(3):
-        out = out + a[..., i + 1 : i + 2] * (b[..., _PERMUTE[i]] * _SIGN[i])
-    return out
+    turned = geometry.quat_mul(base_quat[..., None, :], quat)
+    return to_world(base_pos, base_quat, pos), turned
 
 
 def center_of_mass_b(joint_pos: ArrayLike) -> Array:

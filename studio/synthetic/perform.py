@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
+from studio.geometry import scalars
 from studio.human.pose import HumanClip, HumanPose
 from studio.reference.intent import Intent, IntentTrack
 from studio.synthetic import signals as sig
@@ -92,8 +93,7 @@ class Performer:
             self.person, s, tempo, legs, pace, circles, *self._sway(steps), *self._fidgets(steps)
         )
         true = joints(self.person.body, posture)
-        half = 0.5 * self.person.habits.facing
-        true = geometry.quat_rotate(np.array([np.cos(half), 0.0, 0.0, np.sin(half)]), true)
+        true = geometry.quat_rotate(scalars.yaw(self.person.habits.facing), true)
         seen, confidence = self._sensor.see(true)
         return seen, confidence, true, idle
 

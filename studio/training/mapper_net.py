@@ -3,11 +3,14 @@
 from collections.abc import Mapping
 from itertools import pairwise
 
+from typing import Any
+
 import numpy as np
 import torch
 from numpy.typing import NDArray
 from torch import Tensor, nn
 
+from studio.geometry import scalars
 from studio.retarget.mapper import INPUT_CLIP, JOINT_HALF, JOINT_MID, NUM_OUTPUTS, RATES
 from studio.retarget.network import LEAK
 from studio.training.losses import Motion
@@ -119,15 +122,6 @@ class MapperNet(nn.Module):
 
 
 def quat_mul(a: Tensor, b: Tensor) -> Tensor:
-    """Hamilton product of wxyz quaternions (N, 4)."""
-    aw, ax, ay, az = a.unbind(-1)
-    bw, bx, by, bz = b.unbind(-1)
-    return torch.stack(
-        [
-            aw * bw - ax * bx - ay * by - az * bz,
-            aw * bx + ax * bw + ay * bz - az * by,
-            aw * by - ax * bz + ay * bw + az * bx,
-            aw * bz + ax * by - ay * bx + az * bw,
-        ],
-        dim=-1,
-    )
+    """Hamilton product of wxyz quaternions (N, 4), R_a_c = R_a_b R_b_c; for gradients."""
+    parts: tuple[Any, Any] = (a.unbind(-1), b.unbind(-1))
+    return torch.stack(scalars.mul(*parts), dim=-1)

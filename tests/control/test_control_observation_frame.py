@@ -5,7 +5,7 @@ import pytest
 
 from studio import geometry
 from studio.control import observation_frame as frames
-from studio.reference import scalars
+from studio.geometry import scalars
 from studio.reference.intent import STATES
 from studio.robot.pose import ReferencePose, RobotState
 
