@@ -93,6 +93,13 @@ class Collector:
             if self._own:
                 self._throw_away()
 
+    def nobody_acts(self, why: str) -> None:
+        """The source has ended: a running take is thrown away, and the next one waits."""
+        self.abort(why)
+        self.why = why
+        if self.machine.phase == "ready":
+            self.machine.frame = 0
+
     # One control period -------------------------------------------------------------------------
 
     def step(self, pose: RobotPose, facing: float, resting: bool) -> tuple[Shown, Step]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from studio.control.drive_command import PuppeteerConfig
+from studio.errors import StudioError
 from studio.human.calibration import Calibration, calibrate
 from studio.human.pose import HumanPose
 from studio.sources import Source, SourceEnded, open_source
@@ -68,6 +69,17 @@ class Reading:
         """
         if self.source.starts_live and self._from is not None:
             self._from += seconds
+
+    def refuse_ended(self, then: str) -> None:
+        """StudioError where nothing more will come: what is recorded would be its last pose.
+
+        then: what to do once another source was chosen.
+        """
+        if self.ended:
+            raise StudioError(
+                "the source has ended: choose it again, or the synthetic person (operator), then "
+                f"{then}"
+            )
 
     def close(self) -> None:
         """Free the source; what it refused stays counted."""

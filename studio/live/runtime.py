@@ -23,6 +23,8 @@ from studio.takes.tick import Tick
 
 log = logging.getLogger(__name__)
 
+_ENDED = "the source has ended: choose mode live, then it again or the synthetic person"
+
 
 @dataclass(frozen=True, kw_only=True)
 class RuntimeConfig:
@@ -51,7 +53,6 @@ class Runtime:
         self.mode = "live" if live else "idle"
         self.idle_by_source = not live  # nobody asked for idle: arming is enough to go live
         self.recorder = Recorder(config.sessions)
-        self.recorded = 0  # ticks of the take being recorded
         self.replay: Replay | None = None
         self.collector = Collector(config.sessions, self.recorder)
         self.mappers = Mappers(self.puppeteer.retargeter.experts)
@@ -189,6 +190,8 @@ class Runtime:
         """In mode collect: what is shown in this period, to the person too, and the plan's step."""
         if self.mode != "collect":
             return None, None
+        if self.reading.ended:
+            self.collector.nobody_acts(_ENDED)
         controller = self.puppeteer.controller
         shown, step = self.collector.step(
             controller.reference, controller.facing, not controller.following
@@ -224,7 +227,6 @@ class Runtime:
             return
         try:
             self.recorder.append(tick)
-            self.recorded += 1
         except StudioError as error:  # the recorder has closed the take and keeps what it has
             log.error("%s", error)
 

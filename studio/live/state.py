@@ -71,7 +71,7 @@ def state_dict(
         },
         "recording": None
         if runtime.recorder.recording is None
-        else {"name": runtime.recorder.recording, "ticks": runtime.recorded},
+        else {"name": runtime.recorder.recording, "ticks": runtime.recorder.ticks},
         "recording_error": runtime.recording_error,
         "replay": None
         if runtime.mode != "replay" or replay is None

@@ -10,10 +10,13 @@ import pytest
 from fake_clock import FakeClock
 
 from studio.live import commands as c
+from studio.live.commands.takes import in_words
 from studio.live.loop import LiveLoop
 from studio.live.runtime import Runtime, RuntimeConfig
 from studio.live.shown import PlanItem
+from studio.synthetic.operator import OperatorSource
 from studio.takes.align import lag
+from studio.takes.export.bvh import write_bvh
 from studio.takes.record.tape import TapeWriter
 from studio.takes.session_library import SessionLibrary
 from studio.takes.sessions import SessionBook
@@ -226,3 +229,77 @@ def test_what_cannot_be_done_in_collect_is_refused_with_words(loop):
     assert "unknown task" in bad.why
     assert "no mapper to go back to" in ask(loop, c.MapperBack()).why
     assert "unknown mapper" in ask(loop, c.SetMapper(name="nobody")).why
+
+
+@pytest.fixture
+def short(tmp_path):
+    """A loop whose source, a file of a second and a half, ends while it is looked at."""
+    source = OperatorSource("quiet", seed=1)
+    poses = [pose for k in range(45) if (pose := source.read(k * DT))]
+    clip = tmp_path / "1a2b3c4d_stand_still.bvh"
+    write_bvh(clip, np.array([pose.joint_pos_w for pose in poses]), DT)
+    config = RuntimeConfig(source=f"bvh:{clip}", sessions=tmp_path / "sessions")
+    loop = LiveLoop(clock=FakeClock(), runtime=Runtime(config))
+    yield loop
+    loop.runtime.close()
+
+
+def test_a_source_that_has_ended_is_not_recorded_and_it_is_said_what_to_do(short):
+    run(short, 2.5)
+    assert short.state_dict()["reason"] == "source_ended"
+    assert "choose it again, or the synthetic person" in ask(short, c.StartTake()).why
+    assert ask(short, plan(PlanItem(task="tilt", takes=1, seconds=3.0), preview=False)).ok
+    assert ask(short, c.SetMode(mode="collect")).ok
+    assert "choose it again" in ask(short, c.CollectAction(action="go")).why
+    assert SessionLibrary(short.config.sessions).list() == []
+
+
+def test_a_take_whose_person_ends_on_the_way_is_thrown_away_with_words(short):
+    items = PlanItem(task="tilt", takes=1, seconds=3.0)
+    assert ask(short, plan(items, preview=False, hands_free=True)).ok
+    assert ask(short, c.SetMode(mode="collect")).ok
+    run(short, 8.0)
+    state = short.state_dict()
+    assert phase(short) == "ready"
+    assert state["recording"] is None
+    assert "the source has ended" in state["collect"]["why"]
+
+
+def test_another_source_while_collecting_is_refused_and_collecting_goes_on(loop):
+    assert ask(loop, c.SetMode(mode="collect")).ok
+    refused = ask(loop, c.SetSource(source="operator:quiet"))
+    assert not refused.ok
+    assert "choose mode live first" in refused.why
+    assert refused.state["mode"] == "collect"
+    assert ask(loop, c.SetMode(mode="live")).ok
+    assert ask(loop, c.SetSource(source="operator:quiet")).ok
+
+
+def test_the_clock_of_a_collected_take_starts_anew(loop):
+    ask(loop, c.StartTake())
+    run(loop, 3.0)
+    assert ask(loop, c.StopTake()).ok
+    ask(loop, plan(PlanItem(task="tilt", takes=1, seconds=3.0), preview=False))
+    ask(loop, c.SetMode(mode="collect"))
+    ask(loop, c.CollectAction(action="go"))
+    until(loop, "record")
+    assert loop.state_dict()["recording"]["ticks"] <= 2
+
+
+@pytest.mark.parametrize(
+    ("spec", "said"),
+    [
+        ("operator", "operator tour"),
+        ("operator:sit_tilt", "operator sit tilt"),
+        ("operator:interactive", "keyboard"),
+        ("bvh:/tmp/x/1a2b3c4d_brisk_walk.bvh", "bvh brisk walk"),
+        ("frames:kinect.jsonl", "frames kinect"),
+        ("stream", "stream"),
+    ],
+)
+def test_a_take_without_a_label_is_called_as_its_source_and_motion(spec, said):
+    assert in_words(spec) == said
+
+
+def test_a_live_take_says_what_it_is_of(loop):
+    assert ask(loop, c.StartTake()).data["name"].endswith("-operator-tour")

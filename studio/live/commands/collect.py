@@ -81,6 +81,8 @@ class CollectAction(Command, extra="forbid"):
         """Tell the plan's state machine. StudioError in another mode, or where it cannot act."""
         if runtime.mode != "collect":
             raise StudioError("nothing is collected: choose mode collect first")
+        if self.action in ("go", "skip", "redo"):
+            runtime.reading.refuse_ended("collect again (mode live first)")
         return runtime.collector.act(self.action)
 
     def answer(self, state: dict[str, Any], made: Made) -> dict[str, Any]:

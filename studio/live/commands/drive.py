@@ -80,8 +80,12 @@ class SetSource(Command):
         return open_for(self.source, runtime.config.puppeteer, runtime.config.sessions)
 
     def apply(self, runtime: "Runtime", now: float, prepared: OpenedSource) -> Made:
-        """Watch it; live and armed where it starts so, else idle until armed."""
-        runtime.collector.abort("another source was chosen")
+        """Watch it; live and armed where it starts so, else idle until armed. StudioError while
+        collecting: nobody leaves that unawares."""
+        if runtime.mode == "collect":
+            raise StudioError(
+                "collecting goes on: choose mode live first, then another source, then collect"
+            )
         runtime.acting.forget()
         runtime.reading.close()
         runtime.watch(prepared, now)

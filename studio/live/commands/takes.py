@@ -1,5 +1,7 @@
 """Recording takes, and showing them again."""
 
+import re
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from pydantic import BaseModel, Field
@@ -10,6 +12,21 @@ from studio.live.replay import SPEEDS, Replay, open_review
 
 if TYPE_CHECKING:
     from studio.live.runtime import Runtime
+
+_HASHED = re.compile(r"^[0-9a-f]{8}_")
+
+
+def in_words(spec: str) -> str:
+    """Source and motion of a spec: bvh:/tmp/1a2b3c4d_march.bvh is "bvh march", the operator's tour
+    "operator tour", driving by keys "keyboard"."""
+    kind, _, motion = spec.partition(":")
+    if spec == "operator:interactive":
+        return "keyboard"
+    if kind in ("bvh", "frames"):
+        motion = _HASHED.sub("", Path(motion).stem)
+    elif spec == "operator":
+        motion = "tour"
+    return f"{kind} {motion}".replace("_", " ").strip()
 
 
 class StartTake(Command):
@@ -22,9 +39,11 @@ class StartTake(Command):
     name: str | None = Field(default=None, max_length=120)
 
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
-        """Begin the take."""
-        name = runtime.recorder.start(self.label, name=self.name, about=runtime.about())
-        runtime.recorded = 0
+        """Begin the take; without label and name it is called as its source. StudioError for a
+        source that has ended."""
+        runtime.reading.refuse_ended("record")
+        label = self.label.strip() or in_words(runtime.source.name)
+        name = runtime.recorder.start(label, name=self.name, about=runtime.about())
         return {"name": name}
 
     def answer(self, state: dict[str, Any], made: Made) -> dict[str, Any]:

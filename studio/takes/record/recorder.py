@@ -53,6 +53,11 @@ class Recorder:
         """The name of the take being recorded, or None."""
         return self._meta["name"] if self._writer is not None else None
 
+    @property
+    def ticks(self) -> int:
+        """Of the take being recorded, so far."""
+        return self._count
+
     def start(self, label: str = "", *, name: str | None = None, about: dict | None = None) -> str:
         """Begin a take; its name. `about`: JSON values for meta.json (source, style, …).
 
