@@ -37,15 +37,16 @@ export function flaws({ suggestions }, on) {
 
 /**
  * How late the person is by what was found, where that is worth an edit: more than half a frame,
- * and nobody said to leave it. s, or 0.
+ * both sides agree better for it, and nobody said to leave it. s, or 0.
  *
  * @param {Pick<Take, "lag">} take
- * @param {Pick<Alignment, "lag">} before
- * @param {Pick<Alignment, "lag">} found
+ * @param {Pick<Alignment, "lag" | "correlation">} before
+ * @param {Pick<Alignment, "lag" | "correlation">} found
  */
 export function lateBy(take, before, found) {
   const late = found.lag - before.lag;
-  return take.lag !== 0 && Math.abs(late) > FRAME / 2 ? late : 0;
+  const better = found.correlation > before.correlation;
+  return take.lag !== 0 && better && Math.abs(late) > FRAME / 2 ? late : 0;
 }
 
 /**

@@ -4,6 +4,7 @@
 
 /** Ticks that are remembered: 20 s. */
 export const HISTORY = 600;
+const WINDOW = 5000; // ms
 /** Sums of other sections, and waiting, are not work. */
 const SUMS = new Set([
   "retarget",
@@ -21,23 +22,28 @@ export class TickHistory {
   total = [];
   /** ms a section took of late. @type {Map<string, number>} */
   sections = new Map();
-  /** Ticks a second that reached us, over the last whole second. */
-  rate = 0;
-  #count = 0;
+  /** ms at which the ticks of the last WINDOW came, the oldest first. @type {number[]} */
+  #came = [];
 
   /** @param {number} now ms */
   constructor(now) {
     this.since = now;
   }
 
+  /**
+   * Ticks a second that reached us, over the last five seconds, or since the first if that is
+   * less: after a pause of the page they come at once, and are no faster for it.
+   */
+  get rate() {
+    const last = this.#came.at(-1) ?? this.since;
+    const seconds = Math.min(WINDOW, last - this.since) / 1000;
+    return seconds ? this.#came.length / seconds : 0;
+  }
+
   /** @param {Pick<Tick, "timings_ms">} tick @param {number} now ms */
   add({ timings_ms }, now) {
-    this.#count += 1;
-    if (now - this.since >= 1000) {
-      this.rate = (1000 * this.#count) / (now - this.since);
-      this.#count = 0;
-      this.since = now;
-    }
+    this.#came.push(now);
+    while (this.#came[0] <= now - WINDOW) this.#came.shift();
     let total = 0;
     for (const [name, ms] of Object.entries(timings_ms)) {
       if (SUMS.has(name)) continue;

@@ -29,10 +29,16 @@ test("percentiles are of the last twenty seconds", () => {
   assert.equal(history.percentile(1), 699);
 });
 
-test("the rate is counted over whole seconds", () => {
+test("the rate does not swing when a page that was busy catches up", () => {
   const history = new TickHistory(0);
-  for (let i = 1; i <= 29; i += 1) history.add({ timings_ms: {} }, i * 30);
+  const come = (from, until, now) => {
+    for (let i = from; i < until; i += 1) history.add({ timings_ms: {} }, now ?? (i * 1000) / 30);
+  };
   assert.equal(history.rate, 0);
-  history.add({ timings_ms: {} }, 1200);
-  assert.equal(history.rate, 25); // 30 in 1.2 s
+  come(1, 181);
+  assert.ok(Math.abs(history.rate - 30) < 0.5, history.rate);
+  come(181, 240, 8000); // two seconds' worth at once
+  assert.ok(Math.abs(history.rate - 30) < 0.5, history.rate);
+  come(240, 300);
+  assert.ok(Math.abs(history.rate - 30) < 0.5, history.rate);
 });
