@@ -150,6 +150,11 @@ class Puppeteer:
         """Ease into the person's motion anew, from wherever the robot is."""
         self.controller.rejoin()
 
+    def meet(self) -> None:
+        """The robot goes on where its reference is and faces: no policy sees place or heading."""
+        pose = self.controller.reference
+        self.robot = self.world.carry(pose.base_pos[:2], float(geometry.heading(pose.base_quat)))
+
     def place(self, state: StateName, *, here: bool = False) -> None:
         """The robot at rest in the neutral pose of `state`, at the origin or where it is."""
         where = self.robot.base_pos[:2] if here else None

@@ -196,6 +196,8 @@ class Runtime:
         shown, step = self.collector.step(
             controller.reference, controller.facing, not controller.following
         )
+        if step.event == "start":
+            self.puppeteer.meet()
         self.source.show(shown.intent)
         return (shown.state, shown.pose), step
 

@@ -184,6 +184,19 @@ class World:
         target = np.minimum(target, q + (upper + rest) / kp)
         return np.maximum(target, q + (lower + rest) / kp)
 
+    def carry(self, base_xy: ArrayLike, yaw: float) -> RobotState:
+        """Its state, moved to base_xy (2,) m and heading yaw rad as it moves; props stay."""
+        data = self.data
+        by = float(geometry.wrap_angle(yaw - geometry.heading(data.qpos[3:7])))
+        turn = geometry.quat_from_rotvec([0.0, 0.0, by])
+        data.qpos[:2] = np.asarray(base_xy, dtype=np.float64)
+        data.qpos[3:7] = geometry.quat_mul(turn, data.qpos[3:7])
+        data.qvel[:3] = geometry.quat_rotate(turn, data.qvel[:3])
+        data.qacc_warmstart[:3] = geometry.quat_rotate(turn, data.qacc_warmstart[:3])
+        mujoco.mj_forward(self.model, data)
+        self.state = self._read(self.state.torque)
+        return self.state
+
     def push(self, delta_lin_vel_w: ArrayLike) -> None:
         """Add (3,) m/s to the base's velocity, world frame: a kick. StudioError if not finite."""
         delta = np.asarray(delta_lin_vel_w, dtype=np.float64)

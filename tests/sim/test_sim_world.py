@@ -265,3 +265,23 @@ def test_on_a_slope_the_robot_stands_tilted_wherever_it_is_put():
     assert robot.foot_contact.sum() == 4
     assert geometry.quat_to_rpy(robot.base_quat)[1] == pytest.approx(0.1, abs=0.02)
     assert robot.base_pos[2] == pytest.approx(0.27 - 4.0 * np.tan(0.1), abs=0.06)
+
+
+def test_a_robot_carried_elsewhere_goes_on_as_it_would_have(world: World):
+    """Standing on a level floor is alike at any place and heading: exact but for rounding."""
+    other = World()
+    for each in (world, other):
+        each.reset()
+        run(each, a1.STAND_JOINT_POS, 0.5)
+        each.push([0.3, 0.1, 0.0])
+        each.step(a1.STAND_JOINT_POS)
+    before = world.state
+    after = other.carry([3.0, -2.0], 1.5)
+    np.testing.assert_allclose(after.base_pos, [3.0, -2.0, before.base_pos[2]], atol=1e-12)
+    assert geometry.heading(after.base_quat) == pytest.approx(1.5)
+    turn = geometry.quat_mul(after.base_quat, geometry.quat_conj(before.base_quat))
+    stayed, carried = (run(each, a1.STAND_JOINT_POS, 0.5)[-1] for each in (world, other))
+    moved = geometry.quat_rotate(turn, stayed.base_pos - before.base_pos)
+    np.testing.assert_allclose(carried.base_pos - after.base_pos, moved, atol=1e-6)
+    np.testing.assert_allclose(carried.joint_pos, stayed.joint_pos, atol=1e-6)
+    np.testing.assert_allclose(carried.base_ang_vel_b, stayed.base_ang_vel_b, atol=1e-5)

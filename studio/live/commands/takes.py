@@ -44,6 +44,7 @@ class StartTake(Command):
         runtime.reading.refuse_ended("record")
         label = self.label.strip() or in_words(runtime.source.name)
         name = runtime.recorder.start(label, name=self.name, about=runtime.about())
+        runtime.puppeteer.meet()
         return {"name": name}
 
     def answer(self, state: dict[str, Any], made: Made) -> dict[str, Any]:
