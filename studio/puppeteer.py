@@ -133,8 +133,7 @@ class Puppeteer:
         """Forget the person; the robot stands at the origin and starts in the first voted state."""
         self.retargeter.reset()
         self.person = HumanTracker(reuse=HOLD_AFTER, stale=STALE_AFTER)
-        self._index, self._waited, self._clipped = 0, 0.0, 0
-        self._placed = False
+        self._index, self._waited, self._clipped, self._placed = 0, 0.0, 0, False
         self.reason: Reason = ""
         self.place("stand")
 
@@ -164,8 +163,9 @@ class Puppeteer:
 
     def stand_up(self) -> None:
         """After a fall or a stop: from a crouch, where the robot is, up to standing in 1 s."""
-        yaw = float(geometry.heading(self.robot.base_quat))
-        self.controller.crouch(self.robot.base_pos[:2], yaw)
+        self.controller.crouch(
+            self.robot.base_pos[:2], float(geometry.heading(self.robot.base_quat))
+        )
         self._restart()
         self._placed = True
 
@@ -214,9 +214,8 @@ class Puppeteer:
 
     def set_controller(self, name: str) -> None:
         """Another controller from the next period on. StudioError if there is none of the name."""
-        tracker = open_controller(name)
-        tracker.reset(self._tracker_input())
-        self.tracker = tracker
+        self.tracker = open_controller(name)
+        self.tracker.reset(self._tracker_input())
 
     # One step's parts ---------------------------------------------------------------------------
 
