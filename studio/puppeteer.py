@@ -11,7 +11,7 @@ Live is this plus a clock (`live.loop`); a headless drive and every table are th
 from collections.abc import Callable
 from dataclasses import replace
 
-from studio import geometry, metrics
+from studio import metrics
 from studio.control.controller import Control, Controller
 from studio.control.drive_command import FOLLOW, Directive, DriveCommand, PuppeteerConfig, Reason
 from studio.control.staleness import HOLD_AFTER, STALE_AFTER, why_still
@@ -152,20 +152,17 @@ class Puppeteer:
     def meet(self) -> None:
         """The robot goes on where its reference is and faces: no policy sees place or heading."""
         pose = self.controller.reference
-        self.robot = self.world.carry(pose.base_pos[:2], float(geometry.heading(pose.base_quat)))
+        self.robot = self.world.carry(pose.base_pos[:2], pose.yaw)
 
     def place(self, state: StateName, *, here: bool = False) -> None:
         """The robot at rest in the neutral pose of `state`, at the origin or where it is."""
         where = self.robot.base_pos[:2] if here else None
-        yaw = float(geometry.heading(self.robot.base_quat)) if here else 0.0
-        self.controller.reset(state, where, yaw)
+        self.controller.reset(state, where, self.robot.yaw if here else 0.0)
         self._restart()
 
     def stand_up(self) -> None:
         """After a fall or a stop: from a crouch, where the robot is, up to standing in 1 s."""
-        self.controller.crouch(
-            self.robot.base_pos[:2], float(geometry.heading(self.robot.base_quat))
-        )
+        self.controller.crouch(self.robot.base_pos[:2], self.robot.yaw)
         self._restart()
         self._placed = True
 

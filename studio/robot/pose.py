@@ -6,6 +6,8 @@ from typing import Annotated
 import numpy as np
 from numpy.typing import NDArray
 
+from studio import geometry
+
 Array = NDArray[np.float64]
 Vector = Annotated[Array, (3,)]
 Quaternion = Annotated[Array, (4,)]
@@ -33,6 +35,11 @@ class RobotPose:
         assert self.base_quat.shape == (4,)
         assert self.joint_pos.shape == (12,)
         assert self.foot_contact.shape == (4,)
+
+    @property
+    def yaw(self) -> float:
+        """rad, the heading of the trunk, world: 0 = +x, > 0 to the left."""
+        return float(geometry.heading(self.base_quat))
 
 
 @dataclass(frozen=True, kw_only=True)
