@@ -6,7 +6,6 @@ from typing import Any
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
-from studio.errors import StudioError
 from studio.live.shown import PROMPTS
 from studio.reference.library import TASKS
 from studio.takes.as_json import plain
@@ -14,7 +13,7 @@ from studio.takes.dataset.datamap import DataMap
 from studio.takes.sessions import SessionBook
 from studio.web.answers import answers
 from studio.web.answers_takes import CollectSession, CoverageMap, Task
-from studio.web.hub import Hub, refused
+from studio.web.hub import Hub, OffThread
 
 
 class NotesBody(BaseModel):
@@ -29,11 +28,7 @@ def collect_router(hub: Hub) -> APIRouter:
     book = SessionBook(hub.sessions)
     data, looking = DataMap(hub.sessions), asyncio.Lock()
 
-    async def off_thread(work: Any, *args: Any, status: int = 404) -> Any:
-        try:
-            return await asyncio.get_running_loop().run_in_executor(hub.workers, work, *args)
-        except StudioError as error:
-            raise refused(str(error), status) from error
+    off_thread = OffThread(hub.workers, 404)
 
     @router.get("/tasks", **answers(list[Task]))
     async def tasks() -> list[dict[str, str]]:

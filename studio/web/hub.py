@@ -3,15 +3,16 @@
 import asyncio
 import logging
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Executor, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 from fastapi import HTTPException, Request
 
 from studio.control.trackers import CONTROLLERS
+from studio.errors import StudioError
 from studio.live.commands import Command, Result, Stop
 from studio.live.loop import LiveLoop
 from studio.reference.library import TASKS
@@ -23,6 +24,7 @@ from studio.web.helper import Helper
 from studio.web.keeper import Keeper
 from studio.web.keyboard import intent_of
 
+T = TypeVar("T")
 log = logging.getLogger(__name__)
 ANSWER_TIMEOUT = 8.0
 """s to wait for the loop's answer: a reset may take 3, a file's source a few more."""
@@ -105,6 +107,28 @@ class Hub:
             end()
         for pool in (self.stops, self.commands, self.workers, self.opening):
             pool.shutdown(wait=False, cancel_futures=True)
+
+
+@dataclass(frozen=True)
+class OffThread:
+    """Work on the disk, done by `workers` while the event loop goes on.
+
+    A StudioError becomes an answer: HTTPException with this status, or the call's own.
+    """
+
+    workers: Executor
+    status: int
+
+    async def __call__(
+        self, work: Callable[..., T], *args: Any, status: int | None = None, **more: Any
+    ) -> T:
+        """What `work(*args, **more)` returns."""
+        try:
+            return await asyncio.get_running_loop().run_in_executor(
+                self.workers, lambda: work(*args, **more)
+            )
+        except StudioError as error:
+            raise refused(str(error), status or self.status) from error
 
 
 def refused(why: str, status: int = 409) -> HTTPException:

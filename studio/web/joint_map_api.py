@@ -1,7 +1,5 @@
 """Which joint of a motion file is which: what was found by name, and what a person says of it."""
 
-import asyncio
-from collections.abc import Callable
 from typing import Any
 
 from fastapi import APIRouter, Request
@@ -16,7 +14,7 @@ from studio.mocap.bvh_header import Hierarchy
 from studio.mocap.joint_maps import JointMaps, joint_map_of
 from studio.sources import open_source
 from studio.web.answers import State, answers
-from studio.web.hub import Hub, refused
+from studio.web.hub import Hub, OffThread
 
 
 class JointMapBody(BaseModel):
@@ -43,11 +41,7 @@ def joint_map_router(hub: Hub) -> APIRouter:
     """GET and POST /api/joint-map."""
     router = APIRouter(prefix="/api", tags=["studio"])
 
-    async def worked(function: Callable[..., Any], *args: Any) -> Any:
-        try:
-            return await asyncio.get_running_loop().run_in_executor(hub.workers, function, *args)
-        except StudioError as error:
-            raise refused(str(error), 422) from error
+    off_thread = OffThread(hub.workers, 422)
 
     @router.get("/joint-map", **answers(JointMapAnswer))
     async def joint_map(source: str | None = None) -> dict[str, Any]:
@@ -57,14 +51,14 @@ def joint_map_router(hub: Hub) -> APIRouter:
         needed: without these it cannot be played. map: what was said by hand.
         """
         spec = source or hub.loop.runtime.source.name
-        return await worked(_described, hub, spec)
+        return await off_thread(_described, hub, spec)
 
     @router.post("/joint-map", **answers(State))
     async def say(body: JointMapBody, request: Request) -> dict[str, Any]:
         """Say which joint is which; kept for every file with the same joints, and the file is made
         the source. Answers the state; 422 with why for a map with which it cannot be read."""
         spec = body.source or hub.loop.runtime.source.name
-        await worked(_said, hub, spec, body.map)
+        await off_thread(_said, hub, spec, body.map)
         await hub.apply(SetSource(source=spec), request)
         return hub.state()
 

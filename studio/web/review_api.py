@@ -1,23 +1,18 @@
 """Reviewing takes over HTTP: curves, what was found, alignment, split and bin."""
 
-import asyncio
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field
 
-from studio.errors import StudioError
 from studio.takes.align import synchrony
 from studio.takes.as_json import plain
 from studio.takes.edit import edited, review, windows
 from studio.takes.session_library import SessionLibrary
 from studio.web.answers import answers
 from studio.web.answers_takes import Aligned, Split, TakeInfo, Timeline
-from studio.web.hub import Hub, refused
-
-T = TypeVar("T")
+from studio.web.hub import Hub, OffThread, refused
 
 
 class AlignBody(BaseModel):
@@ -46,28 +41,23 @@ def review_router(hub: Hub) -> APIRouter:
     router = APIRouter(prefix="/api/takes", tags=["review"])
     library = SessionLibrary(hub.sessions)
 
-    async def off_thread(work: Callable[[], T], status: int = 422) -> T:
-        """Disk work, away from the event loop; a StudioError becomes an answer."""
-        try:
-            return await asyncio.get_running_loop().run_in_executor(hub.workers, work)
-        except StudioError as error:
-            raise refused(str(error), status) from error
+    off_thread = OffThread(hub.workers, 422)
 
     async def known(name: str) -> None:
-        await off_thread(lambda: library.folder(name), 404)
+        await off_thread(lambda: library.folder(name), status=404)
 
     async def info(name: str) -> dict[str, Any]:
-        return (await off_thread(lambda: library.info(name), 404)).as_dict()
+        return (await off_thread(lambda: library.info(name), status=404)).as_dict()
 
     @router.get("/deleted")
     async def deleted() -> list[str]:
         """Names in the bin."""
-        return await off_thread(library.deleted, 500)
+        return await off_thread(library.deleted, status=500)
 
     @router.post("/{name}/restore", **answers(TakeInfo))
     async def restore(name: str) -> dict[str, Any]:
         """Back from the bin."""
-        return (await off_thread(lambda: library.restore(name), 404)).as_dict()
+        return (await off_thread(lambda: library.restore(name), status=404)).as_dict()
 
     @router.get("/{name}/review", **answers(review.Review))
     async def reviewed(name: str) -> dict[str, Any]:

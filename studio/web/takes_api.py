@@ -1,10 +1,8 @@
 """Takes over HTTP: list, edit, undo, export, throw into the bin."""
 
-import asyncio
 import secrets
 import shutil
-from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any
 
 import msgspec
 from fastapi import APIRouter
@@ -12,16 +10,13 @@ from fastapi.responses import FileResponse, Response
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.background import BackgroundTask
 
-from studio.errors import StudioError
 from studio.takes.export.formats import export_file as export_take
 from studio.takes.listing import TakeInfo
 from studio.takes.session_library import SessionLibrary
 from studio.web.answers import answers
 from studio.web.answers_takes import Deleted
-from studio.web.hub import Hub, refused
+from studio.web.hub import Hub, OffThread
 from studio.web.import_api import import_router
-
-T = TypeVar("T")
 
 
 class EditBody(BaseModel):
@@ -44,14 +39,7 @@ def takes_router(hub: Hub) -> APIRouter:
     router.include_router(import_router(hub))
     library = SessionLibrary(hub.sessions)
 
-    async def off_thread(work: Callable[..., T], *args: Any, status: int = 404, **more: Any) -> T:
-        """Disk work, away from the event loop; a StudioError becomes an answer."""
-        try:
-            return await asyncio.get_running_loop().run_in_executor(
-                hub.workers, lambda: work(*args, **more)
-            )
-        except StudioError as error:
-            raise refused(str(error), status) from error
+    off_thread = OffThread(hub.workers, 404)
 
     @router.get("", **answers(list[TakeInfo]))
     async def takes() -> Response:

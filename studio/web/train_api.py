@@ -1,9 +1,7 @@
 """Training mappers over HTTP: start, watch, cancel, list."""
 
-import asyncio
-from collections.abc import Callable
 from datetime import datetime
-from typing import Any, Literal, TypeVar
+from typing import Any, Literal
 
 from fastapi import APIRouter
 from pydantic import BaseModel, ConfigDict, Field
@@ -17,10 +15,8 @@ from studio.takes.dataset import datasets
 from studio.takes.session_library import SessionLibrary
 from studio.web.answers import answers
 from studio.web.answers_takes import DataSet, TrainedMapper, Training
-from studio.web.hub import Hub, refused
+from studio.web.hub import Hub, OffThread
 from studio.web.train_jobs import TrainJobs
-
-T = TypeVar("T")
 
 
 class TrainBody(BaseModel):
@@ -45,11 +41,7 @@ def train_router(hub: Hub) -> APIRouter:
     hub.at_close.append(jobs.close)
     library = SessionLibrary(hub.sessions)
 
-    async def off_thread(work: Callable[[], T], status: int = 409) -> T:
-        try:
-            return await asyncio.get_running_loop().run_in_executor(hub.workers, work)
-        except StudioError as error:
-            raise refused(str(error), status) from error
+    off_thread = OffThread(hub.workers, 409)
 
     def checked(body: TrainBody) -> tuple[str, list[str]]:
         for take in body.takes:
@@ -76,7 +68,7 @@ def train_router(hub: Hub) -> APIRouter:
     @router.post("/train", **answers(Training))
     async def train(body: TrainBody) -> dict[str, Any]:
         """Train a mapper in a process of its own; watch it with GET."""
-        name, options = await off_thread(lambda: checked(body), 422)
+        name, options = await off_thread(lambda: checked(body), status=422)
         return plain((await off_thread(lambda: jobs.start(name, options))).as_dict())
 
     @router.get("/train", **answers(Training | None))
