@@ -10,6 +10,7 @@ from studio.paths import package_folder
 ROOT = Path(__file__).resolve().parents[1]
 STAYS = {
     "models/policy/checkpoints",
+    "models/policy/next",
     "models/policy/teachers",
     "models/mapper",
     "models",
