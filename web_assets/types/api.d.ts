@@ -210,6 +210,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/travel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Travel
+         * @description Walk through space beside a person who does ("auto"), or read marches alone ("off").
+         */
+        post: operations["travel_api_travel_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/calibrate": {
         parameters: {
             query?: never;
@@ -1386,6 +1406,22 @@ export interface components {
             /** Score */
             score?: number | null;
         };
+        /**
+         * Following
+         * @description Whether the robot walks through space beside the person: asked for, they were found to move
+         *     so, and they do now.
+         */
+        Following: {
+            /**
+             * Mode
+             * @enum {string}
+             */
+            mode: "auto" | "off";
+            /** Found */
+            found: boolean;
+            /** Moving */
+            moving: boolean;
+        };
         /** HTTPValidationError */
         HTTPValidationError: {
             /** Detail */
@@ -1534,6 +1570,7 @@ export interface components {
             };
             /** Mirror */
             mirror: boolean;
+            travel: components["schemas"]["Following"];
             calibration: components["schemas"]["Calibration"];
             recording: components["schemas"]["Recording"] | null;
             /** Recording Error */
@@ -1893,6 +1930,17 @@ export interface components {
              */
             style: "march" | "circles" | "semantic";
         };
+        /**
+         * SetTravel
+         * @description Walk through space beside a person who does ("auto"), or read marches alone ("off").
+         */
+        SetTravel: {
+            /**
+             * Travel
+             * @enum {string}
+             */
+            travel: "auto" | "off";
+        };
         /** ShowTakeBody */
         ShowTakeBody: {
             /** T */
@@ -2046,6 +2094,7 @@ export interface components {
             };
             /** Mirror */
             mirror: boolean;
+            travel: components["schemas"]["Following"];
             calibration: components["schemas"]["Calibration"];
             recording: components["schemas"]["Recording"] | null;
             /** Recording Error */
@@ -2493,6 +2542,7 @@ export interface components {
             };
             /** Mirror */
             mirror: boolean;
+            travel: components["schemas"]["Following"];
             calibration: components["schemas"]["Calibration"];
             recording: components["schemas"]["Recording"] | null;
             /** Recording Error */
@@ -2969,6 +3019,46 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["SetMirror"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["State"];
+                };
+            };
+            /** @description not applied; `why` says why */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Validation Error */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HTTPValidationError"];
+                };
+            };
+        };
+    };
+    travel_api_travel_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SetTravel"];
             };
         };
         responses: {
