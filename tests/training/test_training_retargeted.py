@@ -16,7 +16,7 @@ from studio.training.retargeted import ACTED, TASK, acted_bank, with_people
 def test_a_person_who_marches_before_a_robot_that_sits_makes_it_twitch(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setitem(retargeted.ACTED, "sit", replace(ACTED["sit"], tasks=("march",)))
+    monkeypatch.setitem(retargeted.ACTED, "sit", replace(ACTED["sit"], sources=("operator:march",)))
     bank = acted_bank("sit", 1, seed=0, frames=121)
     assert bank.state == "sit"
     assert bank.leg_contact
