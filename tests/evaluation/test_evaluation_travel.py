@@ -50,7 +50,9 @@ def test_the_synthetic_traveller_goes_as_told_and_the_same_way_for_a_seed():
     again = Travelling(5), Travelling(5)
     for k in range(200):
         ours, theirs = (each.read(k / 30.0) for each in again)
-    assert np.array_equal(ours.joint_pos_w, theirs.joint_pos_w)
+        assert (ours is None) == (theirs is None)
+        if ours is not None and theirs is not None:
+            assert np.array_equal(ours.joint_pos_w, theirs.joint_pos_w)
 
 
 @pytest.mark.slow

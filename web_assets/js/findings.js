@@ -37,16 +37,15 @@ export function flaws({ suggestions }, on) {
 
 /**
  * How late the person is by what was found, where that is worth an edit: more than half a frame,
- * both sides agree better for it, and nobody said to leave it. s, or 0.
+ * and nobody said to leave it. s, or 0.
  *
  * @param {Pick<Take, "lag">} take
- * @param {Pick<Alignment, "lag" | "correlation">} before
- * @param {Pick<Alignment, "lag" | "correlation">} found
+ * @param {Pick<Alignment, "lag">} before
+ * @param {Pick<Alignment, "lag">} found
  */
 export function lateBy(take, before, found) {
   const late = found.lag - before.lag;
-  const better = found.correlation > before.correlation;
-  return take.lag !== 0 && better && Math.abs(late) > FRAME / 2 ? late : 0;
+  return take.lag !== 0 && Math.abs(late) > FRAME / 2 ? late : 0;
 }
 
 /**

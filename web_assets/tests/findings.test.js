@@ -4,18 +4,12 @@ import { test } from "node:test";
 import { lateBy, standing } from "../js/findings.js";
 
 test("a lag is worth an edit from half a frame on, unless somebody said to leave it", () => {
-  const at = (lag, correlation = 0.5 + lag) => ({ lag, correlation });
+  const at = (lag) => ({ lag });
   assert.equal(lateBy({ lag: null }, at(0), at(0.3)), 0.3);
   assert.equal(lateBy({ lag: 0.3 }, at(0.3), at(0.3)), 0);
   assert.equal(lateBy({ lag: null }, at(0), at(0.016)), 0);
   assert.equal(lateBy({ lag: null }, at(0), at(0.017)), 0.017);
   assert.equal(lateBy({ lag: 0 }, at(0), at(0.3)), 0);
-});
-
-test("aligning is not offered where both sides would agree worse", () => {
-  const before = { lag: 0, correlation: 0.8 };
-  assert.equal(lateBy({ lag: null }, before, { lag: 0.3, correlation: 0.7 }), 0);
-  assert.equal(lateBy({ lag: null }, before, { lag: 0.3, correlation: 0.9 }), 0.3);
 });
 
 test("how a take stands with its lag is said in words", () => {
