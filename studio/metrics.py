@@ -235,3 +235,15 @@ def bootstrap_ci(
     draws = [statistic(values[rng.integers(0, len(values), len(values))]) for _ in range(resamples)]
     low, high = np.quantile(draws, [0.5 - 0.5 * level, 0.5 + 0.5 * level])
     return float(low), float(high)
+
+
+def mean_velocity(pos: Array, yaw: Array, dt: float) -> Array:
+    """(3,) m/s forward, m/s to the left, rad/s to the left: means over places `dt` s apart.
+
+    pos: (T, 2) m, world. yaw: (T,) rad, unwrapped. Each step in the heading half way through it.
+    """
+    way, middle = np.diff(pos, axis=0), 0.5 * (yaw[1:] + yaw[:-1])
+    c, s = np.cos(middle), np.sin(middle)
+    forward = np.sum(c * way[:, 0] + s * way[:, 1])
+    left = np.sum(-s * way[:, 0] + c * way[:, 1])
+    return np.array([forward, left, yaw[-1] - yaw[0]]) / (dt * len(way))

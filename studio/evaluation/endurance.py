@@ -26,7 +26,7 @@ from studio.evaluation.tracking import CACHE
 from studio.files import fingerprint, write_whole
 from studio.options import ControllerName
 from studio.robot.a1 import CONTROL_DT
-from studio.synthetic.impaired import BRISK, TRAVEL
+from studio.synthetic.impaired import BRISK, TRAVELLER
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
@@ -39,7 +39,7 @@ CASES: tuple[Case, ...] = (
     Case(source=WALK),
     Case(source=TOUR),
     Case(source=BRISK, people=200, seconds=30.0),
-    Case(source=TRAVEL),
+    Case(source=TRAVELLER),
     Case(source=WALK, dynamics="table_i", sensor="dropped"),
     Case(source=TOUR, dynamics="table_i", sensor="dropped"),
     Case(source=WALK, sensor="kinect"),

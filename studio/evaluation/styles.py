@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import geometry
+from studio import geometry, metrics
 from studio.control.drive_command import PuppeteerConfig
 from studio.evaluation.options import TableOptions
 from studio.human.calibration import calibrate
@@ -182,7 +182,5 @@ def motion(ticks: list[Tick]) -> tuple[float, float]:
     """Mean speed (m/s) along the robot's own heading, and mean turn (rad/s)."""
     pos = np.array([tick.robot.base_pos[:2] for tick in ticks])
     yaw = np.unwrap(geometry.heading(np.array([tick.robot.base_quat for tick in ticks])))
-    way, middle = np.diff(pos, axis=0), 0.5 * (yaw[1:] + yaw[:-1])
-    span = CONTROL_DT * (len(ticks) - 1)
-    forward = np.sum(np.cos(middle) * way[:, 0] + np.sin(middle) * way[:, 1])
-    return float(forward / span), float((yaw[-1] - yaw[0]) / span)
+    forward, _, turn = metrics.mean_velocity(pos, yaw, CONTROL_DT).tolist()
+    return forward, turn

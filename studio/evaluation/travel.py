@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import geometry
+from studio import geometry, metrics
 from studio.control.drive_command import PuppeteerConfig
 from studio.control.staleness import stale_command
 from studio.evaluation.options import TableOptions
@@ -23,7 +23,7 @@ from studio.options import ControllerName
 from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
 from studio.sources import open_source
-from studio.synthetic.travelling import PERSON, Travelling
+from studio.synthetic.travelling import AT_PERSONS_SIZE, Travelling
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
@@ -67,7 +67,7 @@ def run_travel(options: Options = Options()) -> dict[str, Any]:
     config = PuppeteerConfig(controller=options.controller, seed=options.seed)
     rows = []
     for name, way in WAYS.items():
-        velocity = np.array(way) * [PERSON, PERSON, np.pi / 180.0]
+        velocity = np.array(way) * AT_PERSONS_SIZE * [1.0, 1.0, np.pi / 180.0]
         seeds = range(options.seed, options.seed + options.episodes)
         runs = [follow(_person(seed, velocity), config) for seed in seeds]
         rows.append(_row(name, "synthetic", runs, options.seed))
@@ -105,14 +105,13 @@ def follow(open_it: Callable[[], Source], config: PuppeteerConfig) -> Run:
     puppeteer = Puppeteer(config, calibrate(source.calibration_poses()))
     path = puppeteer.retargeter.path
     rows: list[tuple[Array, Array, Array, bool]] = []
-    age, fell, seconds = np.inf, False, source.duration or SECONDS
+    fell, seconds = False, source.duration or SECONDS
     for k in range(round(seconds / CONTROL_DT)):
         try:
             pose = source.read(k * CONTROL_DT)
         except SourceEnded:
             break
-        age = 0.0 if pose is not None else age + CONTROL_DT
-        tick = puppeteer.step(pose, stale_command(float(age)))
+        tick = puppeteer.step(pose, stale_command)
         if tick.fallen:
             fell = True
             break
@@ -138,13 +137,7 @@ def follow(open_it: Callable[[], Source], config: PuppeteerConfig) -> Run:
 def _velocity(place: Array, k: int) -> Array:
     """Mean velocity over the window before row `k` of (T, 3) places, in its mean heading."""
     part = place[k - WINDOW : k + 1]
-    yaw = np.unwrap(part[:, 2])
-    span = WINDOW * CONTROL_DT
-    way, middle = np.diff(part[:, :2], axis=0), 0.5 * (yaw[1:] + yaw[:-1])
-    c, s = np.cos(middle), np.sin(middle)
-    forward = float(np.sum(c * way[:, 0] + s * way[:, 1]))
-    left = float(np.sum(-s * way[:, 0] + c * way[:, 1]))
-    return np.array([forward, left, yaw[-1] - yaw[0]]) / span
+    return metrics.mean_velocity(part[:, :2], np.unwrap(part[:, 2]), CONTROL_DT)
 
 
 def _apart(person: Array, robot: Array, k: int) -> float:
@@ -152,9 +145,7 @@ def _apart(person: Array, robot: Array, k: int) -> float:
     first = k - WINDOW
 
     def way(place: Array) -> Array:
-        delta, yaw = place[k, :2] - place[first, :2], place[first, 2]
-        c, s = np.cos(yaw), np.sin(yaw)
-        return np.array([c * delta[0] + s * delta[1], -s * delta[0] + c * delta[1]])
+        return geometry.turn_xy(place[k, :2] - place[first, :2], -place[first, 2])
 
     theirs, ours = way(person), way(robot)
     size = float(np.hypot(*theirs))

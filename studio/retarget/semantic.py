@@ -12,11 +12,11 @@ from studio.human.features import FEATURE_DIM
 from studio.reference.stepping import Stepper, forward_cadence
 from studio.retarget.mapper import Mapped
 from studio.retarget.march import MarchReader
-from studio.retarget.striding import Striding
+from studio.retarget.striding import RuledWalk, Striding
 from studio.robot.a1 import CONTROL_DT
 
 
-class SemanticWalk:
+class SemanticWalk(RuledWalk):
     """The walk expert of style "semantic": rules in place of weights, nothing to train."""
 
     remembers = True
@@ -24,17 +24,6 @@ class SemanticWalk:
     def begin(self) -> "SemanticStride":
         """Start anew on somebody's march."""
         return SemanticStride()
-
-    def __call__(self, triplet: NDArray) -> Mapped:
-        """Map frames (N, 3F) that follow one another by a control period, from standing on."""
-        stride = self.begin()
-        rows = [stride(row) for row in np.atleast_2d(triplet)]
-        return Mapped(
-            joint_pos=np.stack([row.joint_pos for row in rows]),
-            base_quat=np.stack([row.base_quat for row in rows]),
-            rates=np.stack([row.rates for row in rows]),
-            contact_prob=np.stack([row.contact_prob for row in rows]),
-        )
 
 
 class SemanticStride:

@@ -25,7 +25,7 @@ from studio.reference.stepping import Stepper, trot_cadence
 from studio.reference.tasks_travel import MAX_SPIN
 from studio.retarget.mapper import Mapped
 from studio.retarget.march import MarchReader
-from studio.retarget.striding import Striding
+from studio.retarget.striding import RuledWalk, Striding
 from studio.robot import a1
 from studio.robot.a1 import CONTROL_DT
 
@@ -47,12 +47,16 @@ _FASTEST = 4.0
 """m/s of a person that are believed."""
 
 
+def robots_size(leg_length: float) -> float:
+    """Ways and speeds of the robot over those of a person with legs of so many m (Froude)."""
+    return math.sqrt(a1.STAND_HEIGHT / max(leg_length, 0.2))
+
+
 class PathReader:
     """Where a person is and how they move, seen pose by pose at 30 Hz; one thread.
 
-    mirror: left for right. pos: (2,) m of the robot's size, vel: (2,) m/s of it, low-passed, both
-    in the source's world. heading: rad, unwrapped; turn: rad/s, low-passed. found: they have
-    travelled; moving: they do so now.
+    mirror: left for right. pos: (2,) m at the robot's size, in the source's world. heading: rad,
+    unwrapped; turn: rad/s, low-passed. found: they have travelled; moving: they do so now.
     """
 
     def __init__(self) -> None:
@@ -61,7 +65,7 @@ class PathReader:
 
     def reset(self) -> None:
         """Nobody was seen yet."""
-        self.pos, self.vel = np.zeros(2), np.zeros(2)
+        self.pos, self._size = np.zeros(2), 1.0
         self.heading = self.turn = 0.0
         self.found = self.moving = False
         self._seen: tuple[float, Array, float] | None = None
@@ -89,12 +93,16 @@ class PathReader:
         if np.hypot(*way) > _FASTEST * max(dt, CONTROL_DT):  # taken for somebody else
             way, turned = np.zeros(2), 0.0
             self._recent.clear()
-        size = math.sqrt(a1.STAND_HEIGHT / max(leg_length, 0.2))
-        self.pos = self.pos + size * way
+        self._size = robots_size(leg_length)
+        self.pos = self.pos + self._size * way
         self.heading += turned
         self._toward(way / dt, turned / dt)
-        self.vel = size * self._speed
         self._find(pose.t, place)
+
+    @property
+    def vel(self) -> Array:
+        """(2,) m/s at the robot's size, low-passed, in the source's world."""
+        return self._size * self._speed
 
     def _toward(self, speed: Array, turn: float) -> None:
         share = CONTROL_DT / (SMOOTH_S + CONTROL_DT)
@@ -110,7 +118,7 @@ class PathReader:
         self.found = self.found or float(np.hypot(*(place - self._recent[0][1]))) > FOUND_M
 
 
-class TravelWalk:
+class TravelWalk(RuledWalk):
     """The walk expert of whoever moves through space: rules in place of weights.
 
     path: is kept up to date by whoever owns it, once a control period before the expert is asked.
@@ -125,10 +133,6 @@ class TravelWalk:
     def begin(self) -> "TravelStride":
         """Start anew beside the person."""
         return TravelStride(self.path)
-
-    def __call__(self, triplet: NDArray) -> Mapped:
-        """One frame by itself, from standing."""
-        return self.begin()(np.atleast_2d(triplet)[-1])
 
 
 class TravelStride:
@@ -163,20 +167,14 @@ class TravelStride:
         path = self.path
         pos, yaw = self._striding.place
         turned = self._yaw0 - self._facing  # from the person's world to the reference's
-        aim = self._pos0 + _turn(path.pos - self._from, turned)
+        aim = self._pos0 + geometry.turn_xy(path.pos - self._from, turned)
         lag = aim - pos
         far = float(np.hypot(*lag))
         if far > LEASH:
-            self._from = self._from + _turn(lag * (1.0 - LEASH / far), -turned)
+            self._from = self._from + geometry.turn_xy(lag * (1.0 - LEASH / far), -turned)
             lag = lag * (LEASH / far)
-        velocity = _turn(_turn(path.vel, turned) + lag / CATCH_UP_S, -yaw)
+        velocity = geometry.turn_xy(geometry.turn_xy(path.vel, turned) + lag / CATCH_UP_S, -yaw)
         off = geometry.wrap_angle(path.heading + turned - yaw)
         turn = min(max(path.turn + float(off) / FACE_S, -MAX_SPIN), MAX_SPIN)
         forward = min(max(float(velocity[0]), -gait.MAX_BACK), gait.MAX_SPEED)
         return forward, min(max(float(velocity[1]), -gait.MAX_SIDE), gait.MAX_SIDE), turn
-
-
-def _turn(v: Array, angle: float) -> Array:
-    """(2,) turned to the left by `angle` rad."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([c * v[0] - s * v[1], s * v[0] + c * v[1]])

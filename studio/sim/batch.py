@@ -188,8 +188,10 @@ class BatchWorld:
         torque ≤ slope (free speed − q̇) forwards and the same backwards: beyond the free speed a
         motor brakes. Only robots with a joint fast enough are touched; most never are.
         """
-        c, least = self.config, self._limit.max() / self.config.speed_slope
-        fast = np.abs(self.joint_vel).max(axis=-1) > c.free_speed - least
+        c = self.config
+        fast = (
+            np.abs(self.joint_vel).max(axis=-1) > c.free_speed - self._limit.max() / c.speed_slope
+        )
         ids = np.flatnonzero(fast | self._slowed)
         self._slowed = fast
         if len(ids):

@@ -70,8 +70,7 @@ def draw(
     """`num` uniform draws of Table I, its ranges `scale` times as wide about the nominal values."""
 
     def around(low_high: tuple[float, float], nominal: float, *shape: int) -> Array:
-        low, high = (nominal + scale * (bound - nominal) for bound in low_high)
-        return rng.uniform(low, high, (num, *shape))
+        return _around(rng, low_high, nominal, scale, (num, *shape))
 
     slope = around(ranges.slope, 0.0)
     direction = rng.uniform(0.0, 2.0 * np.pi, num)
@@ -101,8 +100,7 @@ def with_motors(drawn: Dynamics, rng: np.random.Generator, scale: float = 1.0) -
     """The same dynamics with motors of their own, the ranges shrunk by `scale` about nominal."""
 
     def around(low_high: tuple[float, float], nominal: float) -> Array:
-        low, high = (nominal + scale * (bound - nominal) for bound in low_high)
-        return rng.uniform(low, high, len(drawn))
+        return _around(rng, low_high, nominal, scale, (len(drawn),))
 
     return replace(
         drawn,
@@ -110,6 +108,17 @@ def with_motors(drawn: Dynamics, rng: np.random.Generator, scale: float = 1.0) -
         damping=around(DAMPINGS, 0.0),
         strength=around(STRENGTHS, 1.0),
     )
+
+
+def _around(
+    rng: np.random.Generator,
+    low_high: tuple[float, float],
+    nominal: float,
+    scale: float,
+    shape: tuple[int, ...],
+) -> Array:
+    low, high = (nominal + scale * (bound - nominal) for bound in low_high)
+    return rng.uniform(low, high, shape)
 
 
 def gravity(slope_axis: Array, g: float = 9.81) -> Array:

@@ -38,7 +38,7 @@ IMPAIRMENTS: dict[str, Impairment] = {
 BRISK = "brisk"
 """The source of somebody who walks straight on, at one speed drawn from the upper 40 % of what
 there is."""
-TRAVEL = "travel"
+TRAVELLER = "travel"
 """The source of somebody who crosses the room, this way and that."""
 _SIDES = tuple((INDEX[f"l_{j}"], INDEX[f"r_{j}"]) for j in ("elbow", "wrist"))
 _LEGS = tuple((INDEX[f"l_{j}"], INDEX[f"r_{j}"]) for j in ("knee", "ankle", "toe"))
@@ -123,10 +123,10 @@ class Impaired(Source):
 
 def sent_by(sensor: str, source: str, seed: int, style: str = "march") -> Impaired:
     """A synthetic person as a sensor (of IMPAIRMENTS) sends them. source: `operator`,
-    `operator:TASK`, BRISK or TRAVEL."""
+    `operator:TASK`, BRISK or TRAVELLER."""
     impairment = IMPAIRMENTS[sensor]
     person: Source
-    if source == TRAVEL:
+    if source == TRAVELLER:
         person = Travelling(seed, sensor=impairment.sensor)
     elif source == BRISK:
         brisk = InteractiveOperator(seed=seed, style=style, sensor=impairment.sensor)

@@ -4,7 +4,6 @@ Their legs march whatever the way (a walk's own legs are not acted): of somebody
 the way and the heading count (`retarget.travel`).
 """
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -14,6 +13,7 @@ from studio import geometry
 from studio.human.pose import HumanPose
 from studio.mocap.source import Source
 from studio.reference.tasks_travel import draw_velocity
+from studio.retarget.travel import robots_size
 from studio.synthetic.operator import OperatorSource
 
 Array = NDArray[np.float64]
@@ -22,8 +22,8 @@ STANDS_S = 1.5
 """s before they set off."""
 CHANGE_S = 0.3
 """s, time constant of a change of speed."""
-PERSON = 1.0 / math.sqrt(0.27 / 0.85)
-"""Speeds of a person over a robot's, of equal Froude numbers and a leg of 0.85 m."""
+AT_PERSONS_SIZE = np.array([1.0, 1.0, robots_size(0.85)]) / robots_size(0.85)
+"""(3,) times a robot's velocity (m/s, m/s, rad/s): that of a person with a leg of 0.85 m."""
 
 
 class Travelling(Source):
@@ -71,10 +71,10 @@ class Travelling(Source):
         self._velocity = self._velocity + min(dt / CHANGE_S, 1.0) * (self._wanted - self._velocity)
         forward, left, turn = self._velocity.tolist()
         self._yaw += turn * dt
-        c, s = math.cos(self._yaw), math.sin(self._yaw)
-        self._place = self._place + dt * np.array([c * forward - s * left, s * forward + c * left])
+        way = np.array([forward, left])
+        self._place = self._place + dt * geometry.turn_xy(way, self._yaw)
 
     def _drawn(self) -> Array:
         if self._rng.random() < 1.0 / 6.0:
             return np.zeros(3)
-        return draw_velocity(self._rng, 1.0) * [PERSON, PERSON, 1.0]
+        return draw_velocity(self._rng, 1.0) * AT_PERSONS_SIZE

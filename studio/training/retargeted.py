@@ -106,11 +106,8 @@ def _references(
         calibrate(person.calibration_poses()),
     )
     stretches: list[list[ReferencePose]] = [[]]
-    age = np.inf
     for k in range(round(SECONDS * a1.CONTROL_HZ)):
-        human = person.read(k * a1.CONTROL_DT)
-        age = 0.0 if human is not None else age + a1.CONTROL_DT
-        tick = puppeteer.step(human, stale_command(float(age)))
+        tick = puppeteer.step(person.read(k * a1.CONTROL_DT), stale_command)
         if tick.state == state or (tick.state == "transition" and tick.transition_to == state):
             stretches[-1].append(tick.reference)
         elif stretches[-1]:

@@ -58,7 +58,7 @@ def test_the_synthetic_traveller_goes_as_told_and_the_same_way_for_a_seed():
 @pytest.mark.slow
 def test_it_follows_somebody_ahead_and_back_in_physics():
     for name, sign in (("ahead .6", 1.0), ("back .2", -1.0)):
-        velocity = np.array(travel.WAYS[name]) * [travel.PERSON, travel.PERSON, 0.0]
+        velocity = np.array(travel.WAYS[name]) * travel.AT_PERSONS_SIZE * [1.0, 1.0, 0.0]
         done = travel.follow(travel._person(1, velocity), travel.PuppeteerConfig(seed=1))
         assert not done.fell
         assert len(done.done) > 4

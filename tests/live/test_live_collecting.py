@@ -3,11 +3,11 @@
 import errno
 import json
 import os
-import threading
 
 import numpy as np
 import pytest
 from fake_clock import FakeClock
+from turning import DT, ask, run
 
 from studio.live import commands as c
 from studio.live.commands.takes import in_words
@@ -21,8 +21,6 @@ from studio.takes.record.tape import TapeWriter
 from studio.takes.session_library import SessionLibrary
 from studio.takes.sessions import SessionBook
 
-DT = 1.0 / 30.0
-
 
 @pytest.fixture
 def loop(tmp_path):
@@ -30,27 +28,6 @@ def loop(tmp_path):
     loop = LiveLoop(clock=FakeClock(), runtime=Runtime(config))
     yield loop
     loop.runtime.close()
-
-
-def run(loop, seconds):
-    for _ in range(round(seconds / DT)):
-        loop.tick()
-        loop.wait()
-
-
-def ask(loop, command):
-    answers = []
-    asker = threading.Thread(target=lambda: answers.append(loop.submit(command, timeout=120.0)))
-    asker.start()
-    while True:
-        asker.join(0.01)  # motions are drawn on its thread meanwhile: leave it the machine
-        if not asker.is_alive():
-            break
-        if len(loop._requests) + len(
-            loop._stops
-        ):  # not before: how long the drawing takes must change nothing
-            run(loop, DT)
-    return answers[0]
 
 
 def plan(*items, **options):

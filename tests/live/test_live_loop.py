@@ -2,13 +2,13 @@
 
 import errno
 import os
-import threading
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from fake_clock import FakeClock
 from pydantic import ValidationError
+from turning import DT, ask, run
 
 from studio.human.pose import HumanPose
 from studio.live import commands as c
@@ -21,8 +21,6 @@ from studio.sources import Source, SourceEnded
 from studio.synthetic.operator import OperatorSource
 from studio.takes.record.tape import TapeWriter
 from studio.takes.take import read_take
-
-DT = 1.0 / 30.0
 
 
 class Script(Source):
@@ -61,27 +59,6 @@ def make(tmp_path):
         return LiveLoop(clock=FakeClock(), runtime=Runtime(config, opened))
 
     return build
-
-
-def run(loop, seconds):
-    """Ticks over `seconds` of the fake clock."""
-    ticks = []
-    for _ in range(round(seconds / DT)):
-        loop.tick()
-        ticks.append(loop.ticks.get())
-        loop.wait()
-    return ticks
-
-
-def ask(loop, command):
-    """Submit from another thread while this one turns the loop, as the gateway does."""
-    answers = []
-    asker = threading.Thread(target=lambda: answers.append(loop.submit(command, timeout=120.0)))
-    asker.start()
-    while asker.is_alive():
-        run(loop, DT)
-        asker.join(0.002)
-    return answers[0]
 
 
 def within_limits(ticks):

@@ -1,18 +1,15 @@
 """The robot and its reference come apart as it walks; armed, or at a take's start, they meet."""
 
-import threading
-
 import numpy as np
 import pytest
 from fake_clock import FakeClock
+from turning import DT, ask, run
 
 from studio import geometry
 from studio.live import commands as c
 from studio.live.loop import LiveLoop
 from studio.live.runtime import Runtime, RuntimeConfig
 from studio.live.shown import PlanItem
-
-DT = 1.0 / 30.0
 
 
 @pytest.fixture
@@ -23,26 +20,6 @@ def loop(tmp_path):
     )
     yield loop
     loop.runtime.close()
-
-
-def run(loop, seconds):
-    ticks = []
-    for _ in range(round(seconds / DT)):
-        loop.tick()
-        ticks.append(loop.ticks.get())
-        loop.wait()
-    return ticks
-
-
-def ask(loop, command):
-    answers = []
-    asker = threading.Thread(target=lambda: answers.append(loop.submit(command, timeout=120.0)))
-    asker.start()
-    while asker.is_alive():
-        asker.join(0.01)
-        if len(loop._requests) + len(loop._stops):
-            run(loop, DT)
-    return answers[0]
 
 
 def planned(loop, **options):
