@@ -10,7 +10,7 @@ NPM_CI := npm --prefix $(WEB) ci --ignore-scripts --no-audit --no-fund --logleve
 BROWSER_STAMP := $(VENV)/.browser-stamp
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup run test test-quick check format schema vendor bench browser clean
+.PHONY: setup run test test-long test-quick check format schema vendor bench browser clean
 
 setup: $(STAMP) vendor
 
@@ -24,7 +24,7 @@ $(STAMP): pyproject.toml constraints.txt
 
 # Pictures and libraries of the page come from npm: what is served of them is copied out.
 vendor: $(VENDOR_STAMP)
-$(VENDOR_STAMP): $(WEB)/package.json $(WEB)/package-lock.json $(WEB)/vendor.js
+$(VENDOR_STAMP): $(WEB)/package.json $(WEB)/package-lock.json $(wildcard $(WEB)/*.js)
 	$(NPM_CI) --omit=dev
 	npm --prefix $(WEB) run -s vendor
 	touch $@
@@ -46,9 +46,13 @@ $(BROWSER_STAMP): $(STAMP)
 	touch $@
 
 # Two workers for two cores; a browser with software graphics wants both to itself.
-test: setup browser
-	$(BIN)/pytest -n 2 --dist worksteal -m "not browser"
-	$(BIN)/pytest -m browser
+test: setup browser $(NODE_STAMP)
+	$(BIN)/pytest -n 2 --dist worksteal -m "not browser and not long"
+	$(BIN)/pytest -m "browser and not long"
+
+# What takes half a minute and more, a test.
+test-long: setup browser $(NODE_STAMP)
+	$(BIN)/pytest -m long
 
 test-quick: setup
 	$(BIN)/pytest -n 2 --dist worksteal -m "not slow and not browser"

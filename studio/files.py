@@ -1,6 +1,7 @@
 """What lies on disk: regular files, written whole or not at all, known by what they are made of;
 temporary folders that go with their process."""
 
+import errno
 import fcntl
 import hashlib
 import io
@@ -19,6 +20,8 @@ from typing import BinaryIO
 from studio.errors import StudioError
 
 STUDIO = Path(__file__).resolve().parent
+FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+"""Numbers of an OSError where nothing more can be written: no fault of ours."""
 BUFFER = 65_536
 """Bytes that can be looked at ahead (`peek`)."""
 _LOCK = ".lock"
@@ -145,6 +148,16 @@ def fingerprint(*parts: str | Path) -> str:
 def _code(name: str) -> list[Path]:
     room = STUDIO / name
     return sorted(room.rglob("*.py")) if room.is_dir() else [room.with_suffix(".py")]
+
+
+def opened(path: Path) -> io.BufferedReader:
+    """A regular file of ours opened for reading bytes. OSError for what is not there, and for a
+    device or a pipe, which would keep whoever opens it until somebody writes."""
+    descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK)
+    if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+        os.close(descriptor)
+        raise OSError(errno.EINVAL, "it is no regular file", str(path))
+    return os.fdopen(descriptor, "rb")
 
 
 def open_regular(path: str | Path, max_bytes: int) -> BinaryIO:

@@ -3,12 +3,20 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, get_args
 
 import tyro
 
-StateOption = Literal["auto", "stand", "walk", "sit"]
+StateName = Literal["stand", "walk", "sit"]
+STATES: tuple[StateName, ...] = get_args(StateName)
+StateOption = Literal["auto", StateName]
 Style = Literal["march", "circles", "semantic"]
+STYLES: tuple[Style, ...] = get_args(Style)
+"""Which human motion means walking: marching in place, circling hands, or marching in place read by
+rule (`retarget.semantic`)."""
+Scene = Literal["empty"]
+SCENES: tuple[Scene, ...] = get_args(Scene)
+"""Scenes with props come with the composite tasks; until then there is the bare floor."""
 Travel = Literal["auto", "off"]
 ControllerName = Literal["stand_still", "pd_playback", "policy"]
 
@@ -18,7 +26,7 @@ class ServeConfig:
     """Open the studio in a browser: prints one URL; opening it is all there is to do."""
 
     source: str = "operator"
-    """operator[:TASK], bvh:FILE, frames:FILE, take:NAME or stream."""
+    """Where human motion comes from."""
     host: str = "127.0.0.1"
     """Address to listen on; 0.0.0.0 is every network this machine is in (docs/remote.md)."""
     port: int = 8080
@@ -39,3 +47,61 @@ class ServeConfig:
     """Which human motion means walking."""
     controller: ControllerName | None = None
     """What turns the reference into an action (default: policy once trained)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DriveConfig:
+    """Run the whole flow without a browser, as fast as it goes, and report on it."""
+
+    source: str
+    """Where human motion comes from."""
+    seconds: float | None = None
+    """When to end at the latest (an endless operator: 40 s, a tour of every task)."""
+    seed: int = 0
+    """Of the synthetic operator and the world."""
+    state: StateOption = "auto"
+    """Stay in one state, or let the selector decide."""
+    style: Style = "march"
+    """Which human motion means walking."""
+    controller: ControllerName | None = None
+    """What turns the reference into an action (default: policy once trained)."""
+    scene: Scene = "empty"
+    """What stands around the robot."""
+    mirror: bool = False
+    """Mirror the person."""
+    travel: Travel = "auto"
+    """Walk through space beside a person who does (auto), or read marches alone (off)."""
+    max_joint_speed: float = 120.0
+    """Degrees a second that a standing or sitting reference's joints may reach, 60 to 480: the
+    paper's 120 is late and steady (`evaluate response`)."""
+    sessions: Path = Path("sessions")
+    """Folder of recorded takes."""
+    record: bool = False
+    """Keep the drive as a take."""
+    trace: Path | None = None
+    """Write a JSON line per tick to this file."""
+    realtime: bool = False
+    """Pace it at 30 Hz."""
+    joint_map: Path | None = None
+    """JSON that says which joint of a BVH is which, {"l_hip": "NAME", …}: remembered for others
+    with the same joint names."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BenchConfig:
+    """Measure the control period, the drive and the page on this machine."""
+
+    compare: Path | None = None
+    """An earlier --json to compare with."""
+    seconds: float = 20.0
+    """How long each part is measured."""
+    page: bool = True
+    """Also start a server, connect four clients and measure the loop's periods."""
+    browser: bool = True
+    """Also measure them beside a Chromium that draws the page (needs one)."""
+    floods: bool = True
+    """Also measure how soon a stop is answered while clients flood the server."""
+    training: bool = True
+    """Also measure physics, environment and PPO as environments grow."""
+    takes: bool = True
+    """Also measure what takes cost as there are more of them and longer ones."""

@@ -12,10 +12,10 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from studio import metrics
-from studio.control.controller import Control, Controller
+from studio.control.controllers import ControllerInput, open_controller
 from studio.control.drive_command import FOLLOW, Directive, DriveCommand, PuppeteerConfig, Reason
-from studio.control.staleness import HOLD_AFTER, STALE_AFTER, why_still
-from studio.control.trackers import TrackerInput, open_controller
+from studio.control.staleness import STALE_AFTER, STAND_AFTER, why_still
+from studio.control.state_machine import Decision, StateMachine
 from studio.errors import unknown_name
 from studio.human.calibration import Calibration
 from studio.human.pose import HumanPose
@@ -50,10 +50,9 @@ class Puppeteer:
         self.retargeter = retargeter or Retargeter.load(
             config.style, calibration, mirror=config.mirror, travel=config.travel == "auto"
         )
-        self.controller = Controller()
-        self.tracker = open_controller(config.controller)
-        self.low_pass = LowPass()
-        self.world = World(seed=config.seed)
+        self.state_machine = StateMachine()
+        self.controller = open_controller(config.controller)
+        self.low_pass, self.world = LowPass(), World(seed=config.seed)
         self.lock_state(config.state)
         for name in LIMITS:
             self.set_gain(name, getattr(config, name))
@@ -87,24 +86,24 @@ class Puppeteer:
             reference = mapped.reference if mapped.active == wanted else None
             if shown is not None:
                 wanted, reference = shown
-            control = self.controller.step(wanted, reference, command.directive, command.ramp)
+            decision = self.state_machine.step(wanted, reference, command.directive, command.ramp)
         with times("policy"):
-            action = self.tracker.act(self._tracker_input(control))
+            action = self.controller.act(self._controller_input(decision))
         with times("filter"):
             target = limit_target(self.low_pass.step(action), self._target)
         with times("physics"):
             self.world.set_damping(command.damping)
             self.robot, self._target = self.world.step(target), target
-        clipped = mapped.clipped and self.controller.following
+        clipped = mapped.clipped and self.state_machine.following
         self.reason, why = command.reason, command.why
         if not why and shown is None:
             self.reason, why = why_still(self.person.age, mapped.expert, mapped.votes, self.lock)
-        self._index += 1
+        self.retargeted, self._index = mapped, self._index + 1
         self._clipped += clipped
         inference = sum(ms for section, ms in times.items() if section != "physics")
         if not command.damping and not self.fallen:
             contact, quat = self.robot.trunk_contact, self.robot.base_quat
-            self.fallen = bool(metrics.fallen(contact, quat, control.reference.base_quat))
+            self.fallen = bool(metrics.fallen(contact, quat, decision.reference.base_quat))
         return Tick(
             index=self._index - 1,
             t=self.person.t,
@@ -112,11 +111,11 @@ class Puppeteer:
             human_fresh=fresh,
             expert=mapped.expert,
             votes=mapped.votes,
-            state=control.state,
-            transition_to=control.transition_to,
+            state=decision.state,
+            transition_to=decision.transition_to,
             mode=command.mode,
-            controller=self.tracker.name,
-            reference=control.reference if shown is None else shown[1],
+            controller=self.controller.name,
+            reference=decision.reference if shown is None else shown[1],
             action=action,
             target=target,
             robot=self.robot,
@@ -132,9 +131,10 @@ class Puppeteer:
     def reset(self) -> None:
         """Forget the person; the robot stands at the origin and starts in the first voted state."""
         self.retargeter.reset()
-        self.person = HumanTracker(reuse=HOLD_AFTER, stale=STALE_AFTER)
+        self.person = HumanTracker(reuse=STAND_AFTER, stale=STALE_AFTER)
         self._index, self._waited, self._clipped, self._placed = 0, 0.0, 0, False
         self.reason: Reason = ""
+        self.retargeted: Retargeted | None = None
         self.place("stand")
 
     def forget_person(self, calibration: Calibration | None = None) -> None:
@@ -147,31 +147,31 @@ class Puppeteer:
 
     def rejoin(self) -> None:
         """Ease into the person's motion anew, from wherever the robot is."""
-        self.controller.rejoin()
+        self.state_machine.rejoin()
 
-    def meet(self) -> None:
+    def align_robot_to_reference(self) -> None:
         """The robot goes on where its reference is and faces: no policy sees place or heading."""
-        pose = self.controller.reference
-        self.robot = self.world.carry(pose.base_pos[:2], pose.yaw)
+        pose = self.state_machine.reference
+        self.robot = self.world.move_base(pose.base_pos[:2], pose.yaw)
 
     def place(self, state: StateName, *, here: bool = False) -> None:
         """The robot at rest in the neutral pose of `state`, at the origin or where it is."""
         where = self.robot.base_pos[:2] if here else None
-        self.controller.reset(state, where, self.robot.yaw if here else 0.0)
+        self.state_machine.reset(state, where, self.robot.yaw if here else 0.0)
         self._restart()
 
     def stand_up(self) -> None:
         """After a fall or a stop: from a crouch, where the robot is, up to standing in 1 s."""
-        self.controller.crouch(self.robot.base_pos[:2], self.robot.yaw)
+        self.state_machine.crouch(self.robot.base_pos[:2], self.robot.yaw)
         self._restart()
         self._placed = True
 
     def _restart(self) -> None:
-        reference = self.controller.reference
+        reference = self.state_machine.reference
         self.robot: RobotState = self.world.reset(reference)
         self.low_pass.reset(reference.joint_pos)
         self._target = reference.joint_pos
-        self.tracker.reset(self._tracker_input())
+        self.controller.reset(self._controller_input())
         self.fallen = False
 
     # What a user changes while driving ----------------------------------------------------------
@@ -185,7 +185,8 @@ class Puppeteer:
 
     def set_gain(self, name: str, value: float) -> None:
         """A slider: a name of LIMITS and a value within its range. StudioError otherwise."""
-        self.retargeter.settings = self.retargeter.settings.with_gain(name, value)
+        self.retargeter.settings = new = self.retargeter.settings.with_gain(name, value)
+        self.state_machine.joint_speed = new.joint_speed
 
     @property
     def counters(self) -> dict[str, int]:
@@ -211,8 +212,8 @@ class Puppeteer:
 
     def set_controller(self, name: str) -> None:
         """Another controller from the next period on. StudioError if there is none of the name."""
-        self.tracker = open_controller(name)
-        self.tracker.reset(self._tracker_input())
+        self.controller = open_controller(name)
+        self.controller.reset(self._controller_input())
 
     # One step's parts ---------------------------------------------------------------------------
 
@@ -221,12 +222,12 @@ class Puppeteer:
 
         False while the robot is still on its way: nobody needs the person's reference yet.
         """
-        controller = self.controller
-        if not self._placed or controller.following:
+        machine = self.state_machine
+        if not self._placed or machine.following:
             return True
-        if controller.busy:
+        if machine.busy:
             return False
-        self.retargeter.continue_from(controller.reference, controller.facing)
+        self.retargeter.continue_from(machine.reference, machine.facing)
         return True
 
     def _place_at_first_vote(self, mapped: Retargeted, command: DriveCommand) -> None:
@@ -239,11 +240,11 @@ class Puppeteer:
                 self.place(self.lock or mapped.expert)  # type: ignore[arg-type]
                 self._placed = True
 
-    def _tracker_input(self, control: Control | None = None) -> TrackerInput:
-        """What the tracker acts on; without `control`, as it is before the first step."""
-        return TrackerInput(
-            reference=control.reference if control else self.controller.reference,
+    def _controller_input(self, decision: Decision | None = None) -> ControllerInput:
+        """What the controller acts on; without `decision`, as it is before the first step."""
+        return ControllerInput(
+            reference=decision.reference if decision else self.state_machine.reference,
             robot=self.robot,
-            state=control.expert if control else self.controller.state,
-            in_transition=control is not None and control.state == "transition",
+            state=decision.expert if decision else self.state_machine.state,
+            in_transition=decision is not None and decision.state == "transition",
         )

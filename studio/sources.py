@@ -14,8 +14,11 @@ __all__ = [
     "SourceEnded",
     "SourceKind",
     "TakesNoFrames",
+    "listed",
     "open_source",
     "poses",
+    "refuse_joint_map",
+    "usages",
 ]
 
 
@@ -44,11 +47,18 @@ class Opening:
 
 @dataclass(frozen=True, kw_only=True)
 class SourceKind:
-    """One entry of the registry. usage: how a spec is written. about: one line for people."""
+    """One entry of the registry. usage: how a spec is written. about: one line for people.
+
+    served: it gives frames only while a studio is served. suffixes: of the files it plays.
+    mappable: it may be said which of its joints is which.
+    """
 
     usage: str
     about: str
     open: Callable[[Opening], Source]
+    served: bool = False
+    suffixes: tuple[str, ...] = ()
+    mappable: bool = False
 
 
 # Rooms' files are imported when their source is opened: `stream` needs no BVH parser to start.
@@ -90,16 +100,55 @@ def _stream(o: Opening) -> Source:
     return StreamSource(o.spec)
 
 
+def _vmc(o: Opening) -> Source:
+    from studio.mocap.vmc import VmcSource
+
+    return VmcSource(o.spec, o.argument)
+
+
 SOURCES: dict[str, SourceKind] = {
     "operator": SourceKind(
         usage="operator[:TASK]", about="the built-in synthetic operator", open=_operator
     ),
-    "bvh": SourceKind(usage="bvh:FILE", about="motion capture in a BVH file", open=_bvh),
-    "frames": SourceKind(usage="frames:FILE", about="recorded human frames in JSON", open=_frames),
+    "bvh": SourceKind(
+        usage="bvh:FILE", about="motion capture in a BVH file", open=_bvh,
+        suffixes=(".bvh",), mappable=True,
+    ),
+    "frames": SourceKind(
+        usage="frames:FILE", about="recorded human frames in JSON", open=_frames,
+        suffixes=(".jsonl", ".json"),
+    ),
     "take": SourceKind(usage="take:NAME", about="the human side of a recorded take", open=_take),
-    "stream": SourceKind(usage="stream", about="frames sent to WS /api/human", open=_stream),
-}
+    "webcam": SourceKind(
+        usage="webcam", about="the camera of a page (/camera)", open=_stream, served=True
+    ),
+    "stream": SourceKind(
+        usage="stream", about="frames sent to WS /api/human", open=_stream, served=True
+    ),
+    "vmc": SourceKind(
+        usage="vmc[:PORT]", about="an app's VMC over UDP (39539)", open=_vmc, served=True
+    ),
+}  # fmt: skip
 """Every source by the first word of its spec (docs/contract.md)."""
+
+
+def usages(*, served: bool = True) -> list[str]:
+    """How each source's spec is written; served: those too that need a studio that is served."""
+    return [kind.usage for kind in SOURCES.values() if served or not kind.served]
+
+
+def listed(*, served: bool = True) -> str:
+    """The same with what each is, for `--help`."""
+    kinds = [kind for kind in SOURCES.values() if served or not kind.served]
+    return "; ".join(f"{kind.usage} ({kind.about})" for kind in kinds)
+
+
+def refuse_joint_map(spec: str) -> None:
+    """StudioError for a source whose joints are known."""
+    name = spec.partition(":")[0]
+    if name not in SOURCES or not SOURCES[name].mappable:
+        does = ", ".join(kind.usage for kind in SOURCES.values() if kind.mappable)
+        raise StudioError(f"source {name!r} takes no joint map: its joints are known; {does} does")
 
 
 def open_source(
@@ -120,11 +169,11 @@ def open_source(
     name, colon, argument = spec.partition(":")
     kind = SOURCES.get(name)
     if kind is None:
-        raise unknown_name("source", spec, (k.usage for k in SOURCES.values()))
+        raise unknown_name("source", spec, usages())
     if colon and ":" not in kind.usage:
         raise StudioError(f"source {name!r} takes no argument: write {kind.usage}")
-    if joint_map is not None and name != "bvh":
-        raise StudioError(f"source {name!r} takes no joint map: its joints are known; a BVH does")
+    if joint_map is not None:
+        refuse_joint_map(spec)
     return kind.open(
         Opening(
             spec=spec,

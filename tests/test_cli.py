@@ -12,10 +12,10 @@ import pytest
 
 from studio import cli, options
 from studio.cli.output import give
-from studio.control.trackers import CONTROLLERS
+from studio.control.controllers import CONTROLLERS
 from studio.errors import StudioError
 from studio.evaluation.registry import TABLES
-from studio.reference.intent import STATES
+from studio.sources import SOURCES
 
 
 def run(*argv, capsys):
@@ -56,9 +56,17 @@ def test_the_options_of_serve_are_listed_without_loading_the_page():
         assert f"--{option}" in done.stdout
 
 
+def test_help_lists_every_source_that_the_command_can_follow(capsys):
+    for command, sent in (("serve", True), ("drive", False)):
+        status, out, _ = run(command, "--help", capsys=capsys)
+        assert status == 0
+        said = " ".join(out.split())
+        for kind in SOURCES.values():
+            assert (f"{kind.usage} ({kind.about})" in said) == (sent or not kind.served), command
+
+
 def test_the_choices_that_help_lists_are_those_that_there_are():
     assert set(get_args(options.ControllerName)) == set(CONTROLLERS)
-    assert set(get_args(options.StateOption)) == {"auto", *STATES}
 
 
 @pytest.mark.parametrize(
@@ -263,3 +271,26 @@ def test_verify_tells_a_folder_of_the_users_own_from_a_take_that_is_lost(tmp_pat
     assert status == 1
     assert [take["name"] for take in json.loads(out)["takes"]] == ["lost"]
     assert len(err.strip().splitlines()) == 1
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="Linux has a disk that is always full")
+@pytest.mark.parametrize(
+    "argv",
+    [
+        ("drive", "--source", "operator", "--seconds", "1", "--trace", "/dev/full"),
+        ("drive", "--source", "operator", "--seconds", "1", "--json", "/dev/full"),
+        ("takes", "list", "--sessions", "nowhere"),
+    ],
+)
+def test_a_full_disk_is_one_line(argv, tmp_path):
+    with open("/dev/full", "wb") as full:
+        ended = subprocess.run(
+            [sys.executable, "-m", "studio", *argv],
+            stdout=full if argv[0] == "takes" else subprocess.PIPE, stderr=subprocess.PIPE,
+            text=True, check=False, cwd=tmp_path,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        )  # fmt: skip
+    assert ended.returncode == 1
+    (line,) = ended.stderr.strip().splitlines()
+    assert line.startswith("cannot write")
+    assert "No space left on device" in line

@@ -1,5 +1,6 @@
 """Files are written whole or not at all, and a fingerprint changes with what it names only."""
 
+import ast
 import os
 import shutil
 import signal
@@ -11,6 +12,9 @@ from pathlib import Path
 import pytest
 
 from studio import files
+from studio.evaluation import endurance, tracking
+from studio.rl import bank_store
+from studio.takes.dataset import datasets
 from studio.training import retargeted
 
 
@@ -123,7 +127,7 @@ def test_an_edit_of_the_page_draws_no_people_anew_and_one_of_the_mapper_does(
     copy = tmp_path / "studio"
     shutil.copytree(files.STUDIO, copy, ignore=shutil.ignore_patterns("__pycache__"))
     monkeypatch.setattr(files, "STUDIO", copy)
-    before = files.fingerprint(*retargeted.ACTED_BY)
+    before = files.fingerprint(*retargeted.CODE)
     for file, same in (
         ("web/serve.py", True),
         ("takes/take.py", True),
@@ -131,4 +135,51 @@ def test_an_edit_of_the_page_draws_no_people_anew_and_one_of_the_mapper_does(
     ):
         with (copy / file).open("a") as out:
             out.write("\n# edited\n")
-        assert (files.fingerprint(*retargeted.ACTED_BY) == before) is same, file
+        assert (files.fingerprint(*retargeted.CODE) == before) is same, file
+
+
+def imported(*files_: Path) -> set[Path]:
+    """These files of ours and all that they import, however far down and wherever in the file."""
+    seen: set[Path] = set()
+    todo = list(files_)
+    while todo:
+        file = todo.pop()
+        if file in seen:
+            continue
+        seen.add(file)
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom):
+                names = [f"{node.module}", *(f"{node.module}.{a.name}" for a in node.names)]
+            elif isinstance(node, ast.Import):
+                names = [a.name for a in node.names]
+            else:
+                continue
+            for name in (n for n in names if n.split(".")[0] == "studio"):
+                path = files.STUDIO.joinpath(*name.split(".")[1:])
+                either = (path.with_suffix(".py"), path / "__init__.py")
+                todo += [each for each in either if each.is_file()]
+    return seen
+
+
+NOT_DECIDING = ("errors.py", "files.py", "options.py", "paths.py", "takes/untrusted.py")
+"""What is imported from everywhere and changes no figure: refusals, folders, names of options, how
+a file is checked."""
+OF_TICK = ("metrics.py", "takes/tick.py")
+"""How a tick is written down and judged, not what comes of it."""
+
+
+@pytest.mark.parametrize(
+    ("parts", "begins", "besides"),
+    [
+        (bank_store.DRAWN_BY, ("rl/bank", "rl/transitions"), ()),
+        (endurance._FLOW, ("evaluation/long_drive",), OF_TICK),
+        (tracking._CODE, ("rl/rollouts", "evaluation/disturbed"), ()),
+        (retargeted.CODE, ("puppeteer", "synthetic/impaired"), OF_TICK),
+        (datasets._CODE, ("reference/labels", "takes/take", "takes/columns"), ("takes/names.py",)),
+    ],
+)
+def test_a_fingerprint_misses_no_file_that_its_code_imports(parts, begins, besides):
+    covered = {file for part in parts for file in files._code(part)}
+    needed = imported(*(files.STUDIO / f"{name}.py" for name in begins))
+    names = {f.relative_to(files.STUDIO).as_posix() for f in needed - covered}
+    assert {n for n in names if not n.endswith("__init__.py")} <= {*NOT_DECIDING, *besides}

@@ -10,7 +10,6 @@ from studio.paths import package_folder
 ROOT = Path(__file__).resolve().parents[1]
 STAYS = {
     "models/policy/checkpoints",
-    "models/policy/next",
     "models/policy/teachers",
     "models/mapper",
     "models",

@@ -58,7 +58,7 @@ def test_the_action_passes_the_low_pass_and_the_target_never_leaves_the_limits()
     puppeteer, poses = make(controller="pd_playback")
     rng = np.random.default_rng(0)
     wild = lambda *_: rng.uniform(-9.0, 9.0, 12)  # noqa: E731
-    puppeteer.tracker.act = wild  # type: ignore[method-assign]
+    puppeteer.controller.act = wild  # type: ignore[method-assign]
     for tick in run(puppeteer, poses, 1.0):
         assert (tick.target >= a1.JOINT_LOWER).all()
         assert (tick.target <= a1.JOINT_UPPER).all()
@@ -86,7 +86,7 @@ def test_a_missing_pose_is_replaced_by_the_last_one():
     assert not tick.human_fresh
     assert tick.human is not None
     assert tick.why == ""
-    assert [puppeteer.step(None) for _ in range(12)][-1].why.startswith("stale")
+    assert [puppeteer.step(None) for _ in range(14)][-1].why.startswith("stale")
 
 
 def test_without_any_person_the_robot_stands_and_says_so():

@@ -4,10 +4,12 @@ import contextlib
 import json
 import math
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+import vmc_sender
 from human_frames import object_of
 
 from studio.errors import StudioError
@@ -19,13 +21,21 @@ from studio.mocap.raw_frame import FrameRejected
 from studio.mocap.source import TakesNoFrames
 from studio.mocap.source import poses as source_poses
 from studio.mocap.stream import StreamSource
+from studio.mocap.vmc import VmcSource
 from studio.reference.intent import Intent
 from studio.robot.pose import ReferencePose, RobotState
-from studio.sources import SOURCES, Source, SourceEnded, open_source
+from studio.sources import SOURCES, Source, SourceEnded, open_source, usages
 from studio.synthetic.impaired import Impaired, Impairment
 from studio.synthetic.operator import FollowingOperator, InteractiveOperator
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
+
+FED = [name for name, kind in SOURCES.items() if kind.served and name != "vmc"]
+"""Sources that give what is sent to them; vmc hears packets."""
+
+
+APPS: dict[int, vmc_sender.Sender] = {}
+"""Who sends VMC, by the port it goes to."""
 
 
 def frame(t: float, shift: float = 0.0) -> dict:
@@ -104,12 +114,11 @@ def opened(tmp_path: Path):
 
     def open_one(name: str) -> Source:
         spec = {
-            "operator": lambda: "operator",
             "bvh": lambda: f"bvh:{write_bvh(tmp_path / 'a.bvh')}",
             "frames": lambda: f"frames:{write_frames(tmp_path / 'a.jsonl')}",
             "take": lambda: f"take:{record_take(tmp_path)}",
-            "stream": lambda: "stream",
-        }[name]()
+            "vmc": lambda: "vmc:0",
+        }.get(name, lambda: name)()
         source = open_source(spec, seed=1, sessions=tmp_path)
         made.append(source)
         return source
@@ -117,9 +126,18 @@ def opened(tmp_path: Path):
     yield open_one
     for source in made:
         source.close()
+    while APPS:
+        APPS.popitem()[1].close()
 
 
 def feed(source: Source, k: int) -> None:
+    if isinstance(source, VmcSource):
+        app = APPS.get(source.port) or vmc_sender.Sender(source.port)
+        APPS[source.port] = app
+        before = source._gate.accepted
+        app.send(*vmc_sender.packets(k / 30, vmc_sender.bones_of(NEUTRAL + [0.01 * k, 0, 0])))
+        while source._gate.accepted == before:
+            time.sleep(0.001)
     with contextlib.suppress(TakesNoFrames):
         source.push(frame(k / 30, 0.01 * k))
 
@@ -169,7 +187,7 @@ def test_every_source_calibrates_from_what_it_can_and_closes_twice(opened, name)
     source = opened(name)
     scanned = source.calibration_poses()
     assert isinstance(source.starts_live, bool)
-    assert source.starts_live == (name != "stream")
+    assert source.starts_live == (name not in (*FED, "vmc"))
     if source.duration is not None:
         assert len(scanned) >= 10
     for pose in scanned:
@@ -182,7 +200,7 @@ def test_every_source_calibrates_from_what_it_can_and_closes_twice(opened, name)
 def test_every_source_takes_frames_or_says_where_they_go(opened, name):
     source = opened(name)
     source.new_sender()
-    if name == "stream":
+    if name in FED:
         source.push(frame(0.0))
         given = source.read(0.0)
         assert given is not None
@@ -192,6 +210,21 @@ def test_every_source_takes_frames_or_says_where_they_go(opened, name):
             source.push(frame(0.0))
         assert source.name in str(refused.value)
     assert source.rejected == 0
+
+
+@pytest.mark.parametrize("name", sorted(SOURCES))
+def test_every_source_says_what_may_be_done_with_it(opened, name):
+    """Whether nobody drives, which take it plays, and who acts in its place while collecting."""
+    source = opened(name)
+    assert source.label.partition(" ")[0] == name
+    assert source.tours == (name == "operator")
+    assert source.take == ("walk-1" if name == "take" else None)
+    person = source.stand_in(seed=1, style="circles")
+    assert (person is not None) == (name == "operator")
+    if person is not None:
+        person.show(Intent(state="stand"))
+        assert person.read(0.0) is not None
+        assert person.stand_in(seed=1, style="circles") is None
 
 
 @pytest.mark.parametrize("name", [*sorted(SOURCES), "interactive", "follow"])
@@ -223,8 +256,9 @@ def test_every_source_says_how_it_is_written_and_what_it_is(name):
 @pytest.mark.parametrize(
     ("spec", "message"),
     [
-        ("webcam", "known: bvh:FILE, frames:FILE, operator[:TASK], stream, take:NAME"),
-        ("vmc:39539", "known: "),
+        ("kinect", "known: " + ", ".join(sorted(usages()))),
+        ("webcam:0", "takes no argument"),
+        ("vmc:here", "write vmc, vmc:39539"),
         ("", "known: "),
         ("BVH:x", "known: "),
         ("bvh", "needs bvh:FILE"),

@@ -32,6 +32,6 @@ export default [
     },
   },
   { files: ["js/**"], languageOptions: { globals: globals.browser } },
-  { files: ["js/pace.js"], languageOptions: { globals: globals.worker } },
+  { files: ["js/pace.js", "js/webcam-worker.js"], languageOptions: { globals: globals.worker } },
   { files: ["tests/**", "*.js"], languageOptions: { globals: globals.node } },
 ];

@@ -5,7 +5,6 @@ import logging
 import os
 import platform
 import time
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.evaluation.drive import drive
 from studio.human.calibration import calibrate
+from studio.options import BenchConfig
 from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
 from studio.sources import open_source
@@ -23,24 +23,8 @@ from studio.training.machine import machine as processor
 log = logging.getLogger(__name__)
 
 
-@dataclass(frozen=True, kw_only=True)
-class BenchConfig:
-    """compare: an earlier result. seconds: length of each part. page: start a server as well.
-
-    browser: and a Chromium that draws the page beside it. training: measure physics, environment
-    and PPO as environments grow.
-    """
-
-    compare: Path | None = None
-    seconds: float = 20.0
-    page: bool = True
-    browser: bool = True
-    training: bool = True
-    takes: bool = True
-
-
 def run_bench(config: BenchConfig) -> dict[str, Any]:
-    """{machine, sections_ms, drive, live, loop_beside_browser, training}.
+    """{machine, sections_ms, drive, live, loop_beside_browser, stop, training, mapper, takes}.
 
     With `compare`, each figure beside the earlier one, too.
     """
@@ -53,6 +37,10 @@ def run_bench(config: BenchConfig) -> dict[str, Any]:
         result["live"] = bench_live.live(config.seconds)
         if config.browser:
             result["loop_beside_browser"] = bench_live.loop_beside_browser(config.seconds)
+        if config.floods:
+            from studio.bench.stop import stop_latency
+
+            result["stop"] = stop_latency(max(1, round(3.0 * config.seconds)))
     if config.training:
         from studio.bench.training import mapper_growth, training_rates
 

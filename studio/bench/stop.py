@@ -34,7 +34,7 @@ MORE = ("nothing", "pages", "pages, training, imports")
 """What is measured without a flood, to see what each adds."""
 
 
-def stop_latency(stops: int = 60, floods: tuple[str, ...] = KINDS) -> dict[str, Any]:
+def stop_latency(stops: int, floods: tuple[str, ...] = KINDS) -> dict[str, Any]:
     """{case: {"socket_ms", "post_ms"}}: percentiles over `stops` stops by each way."""
     out: dict[str, Any] = {}
     with tempfile.TemporaryDirectory(prefix="a1-bench-") as folder:

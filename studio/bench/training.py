@@ -147,7 +147,7 @@ def ppo_rate(
                 *(sys.executable, "-m", "studio", "train", "policy", "--state", STATE),
                 *("--samples", str(samples), "--num-envs", str(num_envs)),
                 *("--motions-per-task", str(motions)),
-                *("--distil", "0", "--people", "0", "--crossings", "0"),
+                *("--distil", "0", "--people", "0", "--transitions", "0"),
                 "--ppo.mirror" if mirror else "--ppo.no-mirror",
                 *("--run", str(Path(folder) / "run"), "--json", str(report)),
             ],

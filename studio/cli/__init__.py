@@ -15,6 +15,7 @@ from studio import __version__
 from studio.cli import evaluation, flow, takes, training
 from studio.cli.output import give, take_option, usage
 from studio.errors import StudioError
+from studio.files import FULL
 
 # One function a command: argv (without the command's name) -> the object for --json, or None.
 COMMANDS: dict[str, tuple[Callable[[Sequence[str]], Any], str]] = {
@@ -49,17 +50,30 @@ def main(argv: Sequence[str] | None = None) -> None:
         answer = COMMANDS[argv[0]][0](argv[1:])
         failed = (answer or {}).pop("_failed", "")
         give(answer, destination)
+        sys.stdout.flush()
         if failed:
             raise StudioError(failed)
     except StudioError as error:
         print(" ".join(str(error).split()), file=sys.stderr)
         raise SystemExit(1) from None
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_stdout()
+        raise SystemExit(1) from None
+    except OSError as error:
+        if error.errno not in FULL:
+            raise
+        _drop_stdout()
+        where = f" {error.filename}" if error.filename else ""
+        print(f"cannot write{where}: {error.strerror}; make room", file=sys.stderr)
         raise SystemExit(1) from None
     except KeyboardInterrupt:
         raise SystemExit(130) from None
     raise SystemExit(0)
+
+
+def _drop_stdout() -> None:
+    """What it still holds would fail again when the interpreter ends."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _overview() -> str:

@@ -12,9 +12,9 @@ def train(argv: Sequence[str]) -> Answer:
     kinds = {"mapper": _mapper, "policy": _policy}
     if not argv or argv[0] not in kinds:
         usage(f"a1-studio train {'|'.join(kinds)} [--help]", 0 if "--help" in argv else 2)
-    from studio.training import leash
+    from studio.training import parent_watch
 
-    leash.hold()
+    parent_watch.exit_with_parent()
     return kinds[argv[0]](argv[1:])
 
 

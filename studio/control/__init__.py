@@ -1,1 +1,1 @@
-"""Reference to action, as it runs live: controller, transitions, trackers, policies."""
+"""Reference to action, as it runs live: state machine, transitions, controllers, policies."""

@@ -2,19 +2,21 @@
 
 from dataclasses import dataclass
 from enum import Enum
-from typing import Literal, get_args
+from typing import Literal
 
 from studio.options import Travel
+from studio.reference.stances import JOINT_SPEED
 
 
 @dataclass(frozen=True, kw_only=True)
 class PuppeteerConfig:
     """How to drive.
 
-    style: which human motion means walking. controller: a name of control.trackers, None for
+    style: which human motion means walking. controller: a name of control.controllers, None for
     the default. state: "auto" or the state to stay in. seed: of the world. mirror: as in a mirror.
     travel: "auto" walks through space beside a person who does, "off" reads marches alone.
-    tilt_gain: times the trunk's tilt. dead_zone: rad of tilt ignored. speed_cap: m/s.
+    tilt_gain: times the trunk's tilt. dead_zone: rad of tilt ignored. speed_cap: m/s. joint_speed:
+    rad/s of a standing or sitting reference's joints.
     """
 
     style: str = "march"
@@ -26,6 +28,7 @@ class PuppeteerConfig:
     tilt_gain: float = 1.0
     dead_zone: float = 0.0
     speed_cap: float = 1.0
+    joint_speed: float = JOINT_SPEED["stand"]
 
 
 Reason = Literal[
@@ -46,18 +49,16 @@ Reason = Literal[
 ]
 """Why the robot does not do what the person does, for programs; "": it does. Words are added at the
 end; none changes its meaning."""
-REASONS: tuple[Reason, ...] = get_args(Reason)
 
 
 class Directive(Enum):
-    """What safety asks of the controller."""
+    """What safety asks of the state machine."""
 
     FOLLOW = "follow"
     """Follow the person."""
-    HOLD = "hold"
-    """Keep the pose; while walking, slow down and put the swing feet down."""
     REST = "rest"
-    """Go to the neutral pose of the present state."""
+    """Go to the neutral pose of the present state; from walking, stand: what tracks a walk was not
+    trained to keep still, and who is left standing in it falls."""
     STAND = "stand"
     """Go to neutral standing, out of a transition too."""
 

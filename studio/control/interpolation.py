@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.geometry import scalars
+from studio.geometry.time_scaling import minimum_jerk
 from studio.reference.stances import JOINT_SPEED
 from studio.robot import kinematics
 from studio.robot.pose import RobotPose
@@ -27,12 +28,6 @@ MAX_JOINT_SPEED = JOINT_SPEED["stand"] - np.radians(4.5)
 """rad/s, under the limit so that neither rounding nor the way's samples ever cross it."""
 CLEARANCE = 0.04
 """m, how high a stepping foot is lifted."""
-
-
-def minimum_jerk(s: float) -> float:
-    """10 s^3 - 15 s^4 + 6 s^5 for s in [0, 1]: from 0 to 1 with rest at both ends."""
-    s = min(max(s, 0.0), 1.0)
-    return s * s * s * (10.0 + s * (6.0 * s - 15.0))
 
 
 def trapezoid(s: float) -> float:
@@ -170,7 +165,7 @@ def _thigh(pose: RobotPose) -> float:
     return 0.5 * sum(thighs) - math.asin(min(max(nose, -1.0), 1.0))
 
 
-_SHARES = np.array([minimum_jerk(s) for s in np.linspace(0.0, 1.0, 25)])
+_SHARES = minimum_jerk(np.linspace(0.0, 1.0, 25))
 _GAPS = np.stack([np.full(24, 1.0 / 24.0), np.diff([trapezoid_time(u) for u in _SHARES.tolist()])])[
     ..., None
 ]

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from studio.control import odometry
 from studio.control.observation_frame import REFERENCE_DIM
 from studio.errors import StudioError
+from studio.geometry import turn_xy
 from studio.robot import a1
 
 Array = NDArray[np.float64]
@@ -70,9 +71,11 @@ class ObservationConfig:
         z = "joint_pos[12] roll pitch roll_rate pitch_rate" + (" yaw_rate" if self.yaw_rate else "")
         p = "joint_pos[12] base_height roll pitch yaw_rate vel_forward vel_left"
         held = {"yaw_rate": ("heading", self.heading_gain), "vel": ("place", self.place_gain)}
-        told = [f"{field} += gain * error of {of}" for field, (of, gain) in held.items() if gain]
-        if told:
-            p += f" ({', '.join(told)})"
+        corrected = [
+            f"{field} += gain * error of {of}" for field, (of, gain) in held.items() if gain
+        ]
+        if corrected:
+            p += f" ({', '.join(corrected)})"
         blocks: list[dict[str, object]] = [
             {"name": "z", "frames": "t-3..t", "fields": z, "size": FRAMES * self.sensor_dim},
             {"name": "a", "frames": "t-3..t-1", "fields": "action[12]", "size": 36},
@@ -151,10 +154,10 @@ class History:
         self._past[:, -1, YAW_RATE] += config.heading_gain * self.steering
         if config.place_gain:
             feet = _footholds(z)
-            asked = odometry.turned(reference[:, VELOCITY] * dt, self.heading_error)
+            asked = turn_xy(reference[:, VELOCITY] * dt, self.heading_error)
             gone = odometry.displacement(self._feet, feet, turn, self._stood * contact)
             self._feet, self._stood = feet, contact
-            error = keep * (odometry.turned(self.place_error, -turn) + asked - gone)
+            error = keep * (turn_xy(self.place_error, -turn) + asked - gone)
             size = np.hypot(error[:, 0], error[:, 1])[:, None]
             self.place_error = error * (PLACE_CLIP / np.maximum(size, PLACE_CLIP))
             # Nobody who is told to stop still runs after what was missed.

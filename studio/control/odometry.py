@@ -19,6 +19,7 @@ turns, and 5 % under Table I (median; taken as fixed, the centres cost 7, 1 and 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.geometry import turn_xy
 from studio.robot import a1, kinematics
 
 Array = NDArray[np.float64]
@@ -59,21 +60,13 @@ def footholds(joint_pos: Array, roll: Array, pitch: Array) -> Array:
     return out
 
 
-def turned(xy: Array, angle: Array) -> Array:
-    """(N, …, 2) points turned by angle (N,) rad about the vertical."""
-    shape = (-1,) + (1,) * (xy.ndim - 2)
-    c, s = np.cos(angle).reshape(shape), np.sin(angle).reshape(shape)
-    x, y = xy[..., 0], xy[..., 1]
-    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
-
-
 def displacement(before: Array, now: Array, turn: Array, stands: Array) -> Array:
     """(N, 2) m moved between two sets of `footholds`, in the heading frame of `now`.
 
     turn: (N,) rad by which the heading changed. stands: (N, 4), 1 for feet that stood in both
     periods, else 0; without any the trunk is taken to rest.
     """
-    moved = turned(before[..., :2], -turn) - now[..., :2]
+    moved = turn_xy(before[..., :2], -turn[:, None]) - now[..., :2]
     stood = stands > 0.5
     count = stood.sum(axis=-1)[:, None]
     # Swinging feet last, so that the first `count` are those that stand.

@@ -5,6 +5,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 from numpy.typing import NDArray
 from safetensors import SafetensorError
@@ -22,9 +23,11 @@ from studio.reference.intent import STATES
 from studio.robot import a1
 from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 from studio.robot.pose import ReferencePose, RobotState
+from studio.takes.untrusted import read_json
 
 Array = NDArray[np.float64]
 MODELS = package_folder("models") / "policy"
+_MANIFEST = msgspec.json.Decoder(dict[str, Any])
 
 
 class Network:
@@ -77,7 +80,7 @@ class Policy:
             self.network = Symmetric(self.layers, self.observation)
         self.action_config = ActionConfig(**manifest["action"])
         self._level = scalars.rows(manifest["level_quat"])
-        self.neutral = np.array(manifest["neutral_joint_pos"])
+        self.neutral = np.array(manifest["neutral_joint_pos"], dtype=np.float64)
         self.history = History(1, self.observation)
         self._begun = False
 
@@ -91,13 +94,9 @@ class Policy:
         if path.suffix != ".safetensors":
             path = MODELS / f"{name}.safetensors"
         try:
-            tensors = load_file(path)
-            manifest = json.loads(path.with_suffix(".json").read_text())
-            policy = cls(tensors, manifest)
             with np.errstate(all="ignore"):
-                said = policy.network(np.zeros((1, policy.observation.dim), dtype=np.float32))
-            if said.shape != (1, 12) or not np.isfinite(said).all():
-                raise ValueError("its answers are not finite, or of another shape")
+                policy = cls(load_file(path), read_json(path.with_suffix(".json"), _MANIFEST))
+                policy.try_out()
             return policy
         except FileNotFoundError as error:
             names = sorted(p.stem for p in MODELS.glob("*.safetensors")) or ["none yet"]
@@ -105,8 +104,22 @@ class Policy:
                 f"no policy {str(name)!r}; trained: {', '.join(names)}; "
                 f"`a1-studio train policy --state {'|'.join(STATES)}` makes one"
             ) from error
-        except (SafetensorError, ValueError, KeyError, TypeError) as error:
+        except (SafetensorError, OSError, LookupError, ValueError, TypeError) as error:
             raise StudioError(f"policy {path} cannot be read: {error}; train it again") from error
+
+    def try_out(self) -> None:
+        """ValueError unless a target that the robot can be given comes out of it."""
+        said = self.network(np.zeros((1, self.observation.dim), dtype=np.float32))
+        at = np.zeros((1, a1.NUM_JOINTS))
+        target = pd_target(
+            clip_action(said.astype(np.float64)), at, self.neutral, self.action_config
+        )
+        level = np.array(self.manifest["level_quat"], dtype=np.float64)
+        values = (said, target, level, self.neutral)
+        if [np.shape(x) for x in values] != [(1, 12), (1, 12), (4,), (12,)]:
+            raise ValueError("its answers are of another shape")
+        if not all(np.isfinite(x).all() for x in values) or not level.any():
+            raise ValueError("its answers are not finite")
 
     def observing(self, observation: ObservationConfig) -> "Policy":
         """The same network behind other gains of the observation (its blocks must stay)."""
@@ -145,9 +158,9 @@ class Policy:
         return z[None], one_reference_frame(reference, self._level)[None]
 
 
-def _observed(told: dict[str, Any]) -> ObservationConfig:
+def _observed(saved: dict[str, Any]) -> ObservationConfig:
     """As a sidecar tells it; up to 0.1 they said of which kind a policy's future is."""
-    fields = dict(told)
+    fields = dict(saved)
     if fields.pop("future_kind", "true") == "predicted" and fields.get("future"):
         raise ValueError("it foresees its reference, which is no longer supported")
     return ObservationConfig(**fields)

@@ -1,7 +1,7 @@
 """How old the last human pose may be, and why the robot does not do what the person does.
 
-    older than 100 ms   counted as stale
-               300 ms   it stands in for a new one no longer: hold, with swinging feet set down
+    older than 100 ms   counted as stale: a march goes on as it went (`studio.rhythm`), any
+                        other pose stands in for those that do not come
                500 ms   stand
 
 `live.safety` adds what only a live robot knows of: buttons, pages, an overrun.
@@ -12,7 +12,6 @@ from collections.abc import Mapping
 from studio.control.drive_command import Directive, DriveCommand, Reason
 
 STALE_AFTER = 0.1
-HOLD_AFTER = 0.3
 STAND_AFTER = 0.5
 """s."""
 EPS = 1e-9
@@ -21,9 +20,7 @@ EPS = 1e-9
 
 def stale_directive(age: float) -> Directive:
     """What a human pose `age` s old calls for (infinite: none was ever seen)."""
-    if age >= STAND_AFTER - EPS:
-        return Directive.STAND
-    return Directive.HOLD if age >= HOLD_AFTER - EPS else Directive.FOLLOW
+    return Directive.STAND if age >= STAND_AFTER - EPS else Directive.FOLLOW
 
 
 def stale_command(age: float) -> DriveCommand:
@@ -50,7 +47,7 @@ def why_still(
     """
     if age == float("inf"):
         return "nobody", "nobody seen: waiting for the first human pose"
-    if age > HOLD_AFTER:
+    if age >= STAND_AFTER - EPS:
         return "stale", stale_line(age)
     if expert == "unknown" and lock is None:
         line = "this motion is unlike any the experts were trained on; easing to neutral"

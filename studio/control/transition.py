@@ -20,10 +20,10 @@ from studio.control.interpolation import (
     PoseInterpolation,
     RearLegPivot,
     least_seconds,
-    minimum_jerk,
     trapezoid,
 )
 from studio.geometry import scalars
+from studio.geometry.time_scaling import minimum_jerk
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL, NEUTRAL_FEET, fit_plane, rear_yaw
 from studio.robot import a1, kinematics

@@ -15,8 +15,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.control.controller import SPEED_LIMIT
 from studio.control.policy import MODELS
+from studio.control.state_machine import SPEED_LIMIT
 from studio.evaluation.contenders import Contender, baseline, contender, trained
 from studio.evaluation.disturbed import disturbed
 from studio.evaluation.options import PolicyOptions

@@ -5,50 +5,26 @@ import json
 import logging
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import IO, Any
 
 from studio.control.drive_command import FOLLOW, DriveCommand, PuppeteerConfig
-from studio.errors import StudioError
+from studio.errors import StudioError, unknown_name
 from studio.evaluation.drive_report import DriveReport, trace_line
 from studio.human.calibration import calibrate
 from studio.mocap.joint_maps import read_joint_map
-from studio.options import Travel
+from studio.options import SCENES, DriveConfig
 from studio.puppeteer import Puppeteer
+from studio.retarget.settings import joint_speed
 from studio.robot.a1 import CONTROL_DT
-from studio.sources import Source, open_source, poses
+from studio.sources import Source, open_source, poses, usages
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
 
 log = logging.getLogger(__name__)
 TOUR_SECONDS = 40.0
 """How long an endless operator is followed if nothing else is said: one tour of every task."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class DriveConfig:
-    """Settings of `drive`, see docs/contract.md; seconds None: to the end of the source.
-
-    sessions: the folder of takes. record: keep the drive as a take. trace: a file for a JSON line
-    per tick. realtime: pace it at 30 Hz instead of as fast as it goes. joint_map: a JSON file that
-    says which joint of a BVH is which.
-    """
-
-    source: str
-    seconds: float | None = None
-    seed: int = 0
-    state: str = "auto"
-    style: str = "march"
-    controller: str | None = None
-    mirror: bool = False
-    travel: Travel = "auto"
-    sessions: Path = Path("sessions")
-    record: bool = False
-    trace: Path | None = None
-    realtime: bool = False
-    joint_map: Path | None = None
 
 
 def run_drive(
@@ -63,8 +39,10 @@ def run_drive(
     guard: what the age of the newest human pose (s, infinite before the first) calls for, see
     control.staleness. on_tick: called with every tick. source: used instead of opening that of
     config. A `_failed` in the report is the line to fail with: the source had frames, and all were
-    refused. Raises StudioError for a source, state, style or controller that is not there.
+    refused. Raises StudioError for a source, state, style, controller or scene that is not there.
     """
+    if config.scene not in SCENES:
+        raise unknown_name("scene", config.scene, SCENES)
     source = source or open_source(
         config.source,
         seed=config.seed,
@@ -83,6 +61,7 @@ def run_drive(
                 seed=config.seed,
                 mirror=config.mirror,
                 travel=config.travel,
+                joint_speed=joint_speed(config.max_joint_speed),
             ),
             calibrate(source.calibration_poses()),
         )
@@ -137,7 +116,7 @@ def _how_long(config: DriveConfig, source: Source) -> float:
     if not source.starts_live:
         raise StudioError(
             f"source {config.source!r} has frames only while `a1-studio serve` runs: "
-            "drive operator, bvh:FILE, frames:FILE or take:NAME"
+            f"drive one of {', '.join(usages(served=False))}"
         )
     if config.seconds is not None:
         if not 0.0 < config.seconds <= 86_400.0:

@@ -20,7 +20,7 @@ from scipy.stats import chi2
 
 from studio.control.policy import MODELS
 from studio.errors import StudioError
-from studio.evaluation.minutes import LIE_S, WINDOW, Case, Run, endure
+from studio.evaluation.long_drive import LIE_S, WINDOW, Case, Run, endure
 from studio.evaluation.options import TableOptions
 from studio.evaluation.tracking import CACHE
 from studio.files import fingerprint, write_whole
@@ -54,7 +54,7 @@ CASES: tuple[Case, ...] = (
 )
 _FLOW = (
     "control", "human", "mocap", "reference", "retarget", "rl/noise", "robot", "sim", "synthetic",
-    "geometry", "metrics", "puppeteer", "evaluation/minutes",
+    "geometry", "rhythm", "timing", "metrics", "puppeteer", "evaluation/long_drive",
 )  # fmt: skip
 """What a run depends on, beside the models."""
 

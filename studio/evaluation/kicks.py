@@ -16,6 +16,7 @@ from studio.evaluation.options import PolicyOptions
 from studio.evaluation.tracking import HELD_OUT, library
 from studio.reference.intent import StateName
 from studio.rl import rollouts
+from studio.timing import CONTROL_HZ
 from studio.training.machine import commit
 
 KICK_M_S: dict[StateName, float] = {"stand": 0.5, "walk": 0.3}
@@ -54,7 +55,7 @@ def run_kicks(options: Options = Options(), *, models: Path = MODELS) -> dict[st
                     threads=options.threads,
                     settings=who.settings,
                 )
-                first, last = (round(30.0 * moment) for moment in MOMENTS_S)
+                first, last = (round(CONTROL_HZ * moment) for moment in MOMENTS_S)
                 when = rng.integers(first, last, episodes)
                 angle = rng.uniform(0.0, 2.0 * np.pi, episodes)
                 push = kick * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)

@@ -22,6 +22,7 @@ from studio.reference.intent import STATES
 from studio.reference.library import TASKS
 from studio.synthetic import Person, exercise, labels, play, squats
 from studio.synthetic.signals import of_track
+from studio.timing import CONTROL_HZ
 from studio.training.machine import commit
 
 Array = NDArray[np.float64]
@@ -64,7 +65,7 @@ def real_features(folder: Path) -> dict[str, Array]:
     for name, spans in json.loads(labels_file.read_text()).items():
         if not spans:
             continue
-        clip = _load(folder / name).at_rate(30.0)
+        clip = _load(folder / name).at_rate(CONTROL_HZ)
         triplet = _features(clip)
         for span in spans:
             inside = (clip.t >= span["from"]) & (clip.t <= span["to"])

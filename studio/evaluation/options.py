@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from studio.errors import StudioError
+
 
 @dataclass(frozen=True, kw_only=True)
 class TableOptions:
@@ -10,6 +12,17 @@ class TableOptions:
 
     seed: int = 0
     """Everything drawn follows from it."""
+    episodes: int | None = None
+    """Episodes a row; each table says of what, and how many unless told (default: its own)."""
+
+    def __post_init__(self) -> None:
+        refuse_none(self.episodes)
+
+
+def refuse_none(episodes: int | None) -> None:
+    """StudioError for a table of no episodes, which would take the place of one that tells."""
+    if episodes is not None and episodes < 1:
+        raise StudioError("an evaluation needs --episodes of at least 1")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,13 +44,9 @@ class ScriptOptions(TableOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class AllOptions:
+class AllOptions(TableOptions):
     """Every table; each takes those of these options that it has, else its own."""
 
-    seed: int = 0
-    """Everything drawn follows from it."""
-    episodes: int | None = None
-    """Episodes a row (default: each table's own)."""
     threads: int | None = None
     """Cores to use (default: each table's own)."""
     clips: Path | None = None

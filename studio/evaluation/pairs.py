@@ -143,7 +143,7 @@ def score(state: StateName, clips: list[PairSet], mapped: list[Mapped]) -> dict[
     for clip, said in zip(clips, mapped, strict=True):
         truth = as_labelled(state, clip)
         planted, clipped, slips = plant(state, said)
-        floating = carried_by_velocity(state, said, truth)
+        floating = integrated_velocity(state, said, truth)
         each.append(
             {
                 "joint_rmse_deg": metrics.joint_rmse_deg(planted.joint_pos, truth.joint_pos),
@@ -198,7 +198,7 @@ def plant(state: StateName, mapped: Mapped) -> tuple[Performed, float, int]:
     )
 
 
-def carried_by_velocity(state: StateName, mapped: Mapped, truth: Performed) -> Performed:
+def integrated_velocity(state: StateName, mapped: Mapped, truth: Performed) -> Performed:
     """What is shown without contact consistency: the mapped velocities move the root."""
     velocity = mapped.rates[SETTLE:, RATES["base_lin_vel"]]
     quat = mapped.base_quat[SETTLE:]

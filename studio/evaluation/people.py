@@ -34,10 +34,6 @@ Array = NDArray[np.float64]
 
 GOAL_OVERALL, GOAL_EACH = 0.90, 0.75
 """Share of labelled frames with the right expert: over all clips, and on each."""
-GOAL_PAW = 0.12
-"""m above the floor that a paw comes to in a full arm raise."""
-GOAL_DROP = 0.04
-"""m that the base goes down in a squat that is not taken for a sit."""
 
 
 @dataclass(frozen=True, kw_only=True)

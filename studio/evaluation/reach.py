@@ -11,9 +11,11 @@ import numpy as np
 
 from studio.evaluation.options import ScriptOptions
 from studio.evaluation.scripted import controllers, record
+from studio.geometry.time_scaling import minimum_jerk
 from studio.reference.intent import IntentTrack
 from studio.reference.tracks import frames_in, make_track
 from studio.robot import kinematics
+from studio.timing import CONTROL_HZ
 from studio.training.machine import commit
 
 TARGET_M = 0.8
@@ -26,8 +28,7 @@ STANDING_PITCH = -np.radians(25.0)
 def _tracks(state: str) -> dict[str, IntentTrack]:
     """Each way of reaching up, with its paw: right, left, or both at once."""
     length = frames_in(RAMP + HOLD)
-    share = np.minimum(np.arange(length) / 30.0 / RAMP, 1.0)
-    share = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+    share = minimum_jerk(np.arange(length) / CONTROL_HZ / RAMP)
     ways = {"right": (1.0, 0.0), "left": (0.0, 1.0)}
     if state == "sit":
         ways["both"] = (1.0, 1.0)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from studio.errors import unknown_name
-from studio.evaluation.options import AllOptions
+from studio.evaluation.options import AllOptions, TableOptions
 from studio.files import write_whole
 
 KEPT = Path("runs/evaluate/tables")
@@ -27,6 +27,7 @@ TABLES = {
     "endurance": "minutes of driving: mean time between falls",
     "styles": "three ways of meaning walk, in physics",
     "travel": "who crosses the room: speeds and turns, of what the person did",
+    "response": "how late the robot does what a person does, stage by stage",
     "pairs": "the mapper beside simpler ones, by number of pairs",
     "people": "real clips that nothing was trained on (needs --clips)",
     "operator_statistics": "the synthetic operator's ranges beside real ones (needs --clips)",
@@ -40,7 +41,7 @@ class Table:
     """options: the dataclass of what it takes. run: from that to `{"rows": [...]}`."""
 
     name: str
-    options: type[Any]
+    options: type[TableOptions]
     run: Callable[[Any], dict[str, Any]]
 
     @property
@@ -59,9 +60,9 @@ def table(name: str) -> Table:
     return Table(name, module.Options, getattr(module, f"run_{name}"))
 
 
-def run_table(name: str, options: Any, *, keep: Path | None = KEPT) -> dict[str, Any]:
+def run_table(name: str, options: TableOptions, *, keep: Path | None = KEPT) -> dict[str, Any]:
     """`{"rows": [...]}` of one table, or of all; each is kept in `keep` as it is made."""
-    if name == "all":
+    if isinstance(options, AllOptions):
         return _run_all(options, keep=keep)
     made = table(name).run(options)
     if keep is not None:

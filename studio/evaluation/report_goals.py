@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from studio.evaluation.report_tables import TRACKING, Column, Row, Rows
 from studio.reference.intent import STATES, StateName
-from studio.rl.crossing import SOURCES
+from studio.rl.transitions import SOURCES
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -142,4 +142,17 @@ TABLES: dict[str, tuple[str, tuple[Column, ...]]] = {
             Column(key="speed_made_m_s", head="made m/s"),
         ),
     ),
+    "response": (
+        "How late a person is followed",
+        (
+            Column(key="case", head="movement"),
+            Column(key="kind", head="people"),
+            Column(key="stage", head="stage"),
+            Column(key="max_joint_speed_deg_s", head="joints up to °/s", places=0),
+            Column(key="episodes", head="n", places=0),
+            Column(key="lag_ms", head="lag ms", places=0),
+            Column(key="onset_ms", head="onset ms", places=0),
+            Column(key="clipped", head="speed limit cuts", places=2),
+        ),
+    ),
 }

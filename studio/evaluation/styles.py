@@ -16,11 +16,10 @@ from studio import geometry, metrics
 from studio.control.drive_command import PuppeteerConfig
 from studio.evaluation.options import TableOptions
 from studio.human.calibration import calibrate
-from studio.options import ControllerName, Style
+from studio.options import STYLES, ControllerName, Style
 from studio.puppeteer import Puppeteer
 from studio.reference import gait
 from studio.reference.intent import Intent
-from studio.retarget.store import STYLES
 from studio.robot.a1 import CONTROL_DT
 from studio.synthetic.impaired import walking
 from studio.synthetic.operator import InteractiveOperator

@@ -7,15 +7,19 @@ import numpy as np
 
 from studio.evaluation.options import ScriptOptions
 from studio.evaluation.scripted import controllers, record
+from studio.geometry.time_scaling import minimum_jerk
 from studio.reference.intent import StateName
+from studio.reference.sitting import TILT_LIMIT
 from studio.reference.stances import tilt_of
+from studio.reference.tasks_stand import TILT
 from studio.reference.tracks import frames_in, make_track
+from studio.timing import CONTROL_HZ
 from studio.training.machine import commit
 
 AXES = ("roll", "pitch", "yaw")
-ASKED_DEG: dict[StateName, tuple[float, float, float]] = {
-    "stand": (40.0, 40.0, 40.0),
-    "sit": (7.5, 15.0, 3.5),
+ASKED_DEG: dict[StateName, tuple[float, ...]] = {
+    "stand": tuple(np.degrees(TILT).round(9)),
+    "sit": tuple(np.degrees(TILT_LIMIT).round(9)),
 }
 """To either side of neutral: the paper's ±40 standing; 15, 30 and 7 degrees of range sitting."""
 RAMP, HOLD = 2.0, 3.0
@@ -37,8 +41,7 @@ def _rows(seed: int) -> list[dict[str, Any]]:
     for state, limits in ASKED_DEG.items():
         cases = [(k, sign * limits[k]) for k in range(3) for sign in (-1.0, 1.0)]
         length = frames_in(RAMP + HOLD)
-        share = np.minimum(np.arange(length) / 30.0 / RAMP, 1.0)
-        share = share**3 * (10.0 - 15.0 * share + 6.0 * share**2)
+        share = minimum_jerk(np.arange(length) / CONTROL_HZ / RAMP)
         tracks = []
         for axis, angle in cases:
             tilt = np.zeros((length, 3))

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from rich.progress import Progress
 
 from studio.control.policy import MODELS
-from studio.errors import StudioError, unknown_name
+from studio.errors import unknown_name
 from studio.evaluation.contenders import CONTROLLERS, Contender, contender
-from studio.evaluation.options import PolicyOptions
+from studio.evaluation.options import PolicyOptions, refuse_none
 from studio.files import fingerprint
 from studio.metrics import bootstrap_ci
 from studio.reference.intent import STATES, StateName
@@ -104,8 +104,7 @@ def compare(
     motions: draws a chunk's bank from (state, number of episodes, seed); None: the library's.
     Raises StudioError for fewer than one episode.
     """
-    if episodes < 1:
-        raise StudioError("an evaluation needs --episodes of at least 1")
+    refuse_none(episodes)
     motions = motions or library
     parts: list[list[dict[str, Array]]] = [[] for _ in jobs]
     with Progress(disable=not progress, transient=True) as bar:
@@ -165,7 +164,10 @@ def _row(state: str, controller: str, seed: int, figures: dict[str, Array]) -> d
     return row
 
 
-_CODE = ("rl", "control", "reference", "robot", "sim", "geometry", "evaluation/disturbed")
+_CODE = (
+    "rl", "control", "reference", "robot", "sim", "geometry", "rhythm", "timing", "metrics",
+    "evaluation/disturbed",
+)  # fmt: skip
 """What a row depends on."""
 
 

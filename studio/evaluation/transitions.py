@@ -17,21 +17,22 @@ from studio.evaluation.options import PolicyOptions
 from studio.evaluation.tracking import CACHE, Job, Motions, compare
 from studio.reference.intent import StateName
 from studio.rl.bank import MotionBank, assemble, warp
-from studio.rl.crossing import SOURCES, crossing, rests_on_legs
+from studio.rl.transitions import SOURCES, rests_on_legs, transition_motion
 from studio.robot import a1
 
 SECONDS = 10.0
 CONTROLLERS = ("pd_playback", "policy")
 
 
-def crossings_from(source: StateName) -> Motions:
-    """Draws a bank of crossings out of one state."""
+def transitions_from(source: StateName) -> Motions:
+    """Draws a bank of transitions out of one state."""
 
     def draw(state: StateName, num: int, seed: int) -> MotionBank:
         rng = np.random.default_rng([seed, 7])
         frames = round(SECONDS * a1.CONTROL_HZ) + 1
         motions = [
-            warp(crossing(source, state, rng, SECONDS + 0.2), 1.0, frames) for _ in range(num)
+            warp(transition_motion(source, state, rng, SECONDS + 0.2), 1.0, frames)
+            for _ in range(num)
         ]
         bank = assemble(state, (f"from_{source}",), motions, [1.0] * num)
         return replace(bank, leg_contact=rests_on_legs(state))
@@ -68,7 +69,7 @@ def run_transitions(
             chosen = in_charge(goal, models)
             found = [contender(name, goal, models) for name in options.controllers]
             jobs: list[Job] = [(goal, who) for who in found if who is not None]
-            motions = crossings_from(cast(StateName, source))
+            motions = transitions_from(cast(StateName, source))
             done = compare(jobs, *settings, cache, progress, motions)
             rows += [
                 {"from": source, "to": goal, "in_charge": row["controller"] == chosen, **row}
@@ -78,7 +79,7 @@ def run_transitions(
 
 
 def in_charge(goal: StateName, models: Path = MODELS) -> str:
-    """Who enters a state live, as PolicyTracker has it: a policy trained to, or the PD."""
+    """Who enters a state live, as PolicyController has it: a policy trained to, or the PD."""
     sidecar = path_of("policy", goal, models).with_suffix(".json")
     trained = sidecar.exists() and json.loads(sidecar.read_text()).get("transitions", False)
     return "policy" if trained else "pd_playback"

@@ -126,12 +126,12 @@ def follow(open_it: Callable[[], Source], config: PuppeteerConfig) -> Run:
     person, reference, robot = (np.array([row[i] for row in rows]) for i in range(3))
     moving = np.array([row[3] for row in rows])
     ends = [k for k in range(WINDOW, len(rows), WINDOW // 2) if moving[k - WINDOW : k + 1].all()]
-    asked, told, done = (
+    asked, reference, done = (
         np.array([_velocity(each, k) for k in ends]).reshape(-1, 3)
         for each in (person, reference, robot)
     )
     apart = np.array([_apart(person, robot, k) for k in ends])
-    return Run(asked=asked, reference=told, done=done, apart=apart, fell=fell)
+    return Run(asked=asked, reference=reference, done=done, apart=apart, fell=fell)
 
 
 def _velocity(place: Array, k: int) -> Array:
@@ -153,7 +153,7 @@ def _apart(person: Array, robot: Array, k: int) -> float:
 
 
 def _row(name: str, kind: str, runs: list[Run], seed: int) -> dict[str, Any]:
-    asked, told, done = (
+    asked, reference, done = (
         np.concatenate([getattr(run, field) for run in runs])
         for field in ("asked", "reference", "done")
     )
@@ -175,7 +175,7 @@ def _row(name: str, kind: str, runs: list[Run], seed: int) -> dict[str, Any]:
         "asked_deg_s": None if middle[0] is None else float(np.degrees(middle[0][2])),
         "done_deg_s": None if middle[1] is None else float(np.degrees(middle[1][2])),
         "speed_error_m_s": float(np.median(error)) if len(error) else None,
-        "reference_error_m_s": float(np.median(np.hypot(*(told - asked)[moves, :2].T)))
+        "reference_error_m_s": float(np.median(np.hypot(*(reference - asked)[moves, :2].T)))
         if moves.any()
         else None,
         "turns": int(turns.sum()),

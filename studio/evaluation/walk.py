@@ -5,11 +5,12 @@ from typing import Any
 
 import numpy as np
 
-from studio import geometry
+from studio import geometry, metrics
 from studio.evaluation.options import ScriptOptions
 from studio.evaluation.scripted import controllers, record
 from studio.reference import gait
 from studio.reference.marching import Bout, march_track
+from studio.robot.a1 import CONTROL_DT
 from studio.training.machine import commit
 
 CASES = [(speed, 0.0) for speed in (0.0, 0.2, 0.4, 0.6, 0.8, 0.97)] + [
@@ -54,18 +55,19 @@ def _rows(seed: int) -> list[dict[str, Any]]:
         )
         tracks.append(march_track("walk", SECONDS, [bout] if speed else []))
     rows = []
-    start = round(SETTLE * 30.0)
-    span = SECONDS - SETTLE - 1.0 / 30.0
+    start = round(SETTLE / CONTROL_DT)
     for controller in controllers("walk"):
         done = record("walk", tracks, controller, seed=seed)
         yaw = np.unwrap(geometry.heading(done.base_quat), axis=0)
         for i, (speed, turn) in enumerate(CASES):
             asked = done.motions[i]
-            way = np.diff(done.base_pos[start:, i, :2], axis=0)
-            middle = 0.5 * (yaw[start + 1 :, i] + yaw[start:-1, i])
-            forward = np.sum(np.cos(middle) * way[:, 0] + np.sin(middle) * way[:, 1])
-            asked_way = np.sum(np.linalg.norm(np.diff(asked.base_pos[start:, :2], axis=0), axis=-1))
+            forward, _, turned = metrics.mean_velocity(
+                done.base_pos[start:, i, :2], yaw[start:, i], CONTROL_DT
+            )
             asked_yaw = np.unwrap(geometry.heading(asked.base_quat))
+            asked_forward, _, asked_turned = metrics.mean_velocity(
+                asked.base_pos[start:, :2], asked_yaw[start:], CONTROL_DT
+            )
             gap = np.linalg.norm(
                 (done.base_pos[-1, i] - done.base_pos[0, i])[:2]
                 - (asked.base_pos[-1] - asked.base_pos[1])[:2]
@@ -78,10 +80,10 @@ def _rows(seed: int) -> list[dict[str, Any]]:
                     "seed": seed,
                     "episodes": 1,
                     "commit": commit(),
-                    "commanded_m_s": float(asked_way / span),
-                    "achieved_m_s": float(forward / span),
-                    "commanded_deg_s": float(np.degrees(asked_yaw[-1] - asked_yaw[start]) / span),
-                    "achieved_deg_s": float(np.degrees(yaw[-1, i] - yaw[start, i]) / span),
+                    "commanded_m_s": float(asked_forward),
+                    "achieved_m_s": float(forward),
+                    "commanded_deg_s": float(np.degrees(asked_turned)),
+                    "achieved_deg_s": float(np.degrees(turned)),
                     "drift_share": float(gap / total) if not turn and total > 0.5 else None,
                     "survived": bool(done.alive[-1, i]),
                 }

@@ -5,7 +5,6 @@ z up, x forward, y left. Roll, pitch and yaw are intrinsic z-y'-x'' angles, R = 
 formulas of products and matrices are those of `scalars`, which has them by component.
 """
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -208,10 +207,11 @@ def heading_quat(q: ArrayLike) -> Array:
     return np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
 
 
-def turn_xy(xy: Array, angle: float) -> Array:
-    """(2,) turned to the left by `angle` rad about the vertical."""
-    c, s = math.cos(angle), math.sin(angle)
-    return np.array([c * xy[0] - s * xy[1], s * xy[0] + c * xy[1]])
+def turn_xy(xy: Array, angle: ArrayLike) -> Array:
+    """(…, 2) turned to the left by `angle` rad about the vertical; angle: one, or (…) of them."""
+    c, s = np.cos(angle), np.sin(angle)
+    x, y = xy[..., 0], xy[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)
 
 
 def wrap_angle(a: ArrayLike) -> Array:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from studio.human.pose import HumanPose
 from studio.human.posture import SEEN, body_heading, bone_lengths, is_upright, wrapped
 from studio.human.skeleton import BONE_LENGTH, BONES, LEG_LENGTH, MIRROR_BONES
+from studio.timing import CONTROL_DT
 
 Array = NDArray[np.float64]
 
@@ -74,8 +75,8 @@ def calibrate(poses: Iterable[HumanPose]) -> Calibration:
     bone_length = BONE_LENGTH.copy()
     for k in np.flatnonzero(seen.any(axis=0)):
         bone_length[k] = np.median(lengths[seen[:, k], k])
-    told = [body_heading(pose.joint_pos_w, pose.confidence) for pose in kept]
-    angles = np.array([angle for angle, weight in told if weight > 0.05])
+    headings = [body_heading(pose.joint_pos_w, pose.confidence) for pose in kept]
+    angles = np.array([angle for angle, weight in headings if weight > 0.05])
     heading = _circular_median(angles) if len(angles) else 0.0
     # However short, a file scanned as a whole is known from its first frame on.
     seconds = max(kept[-1].t - kept[0].t, _DRIFT_TAU)
@@ -96,7 +97,7 @@ class Calibrator:
     and hips have turned further than anyone twists). Repeats of a pose are left out by the caller.
     """
 
-    def __init__(self, start: Calibration | None = None, dt: float = 1.0 / 30.0) -> None:
+    def __init__(self, start: Calibration | None = None, dt: float = CONTROL_DT) -> None:
         self._start = start or Calibration()
         self._dt = dt
         self.travels = False  # the person crosses the room now
@@ -135,15 +136,17 @@ class Calibrator:
             heading=self._heading, bone_length=self._bone_length.copy(), seconds=self._seconds
         )
 
-    def neutral_now(self) -> None:
+    def neutral_now(self) -> bool:
         """The button: the way the person has faced for the last half second is straight ahead.
 
-        The heading glides there within half a second. A person not seen yet changes nothing.
+        The heading glides there within half a second. False, and nothing changes, where nobody's
+        hips and shoulders were seen yet.
         """
         if self._recent:
             s = sum(math.sin(a) for a in self._recent)
             c = sum(math.cos(a) for a in self._recent)
             self._glide_to = math.atan2(s, c)
+        return bool(self._recent)
 
     def push(
         self, pose: HumanPose, length: Array | None = None, seen: NDArray[np.bool_] | None = None

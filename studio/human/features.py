@@ -30,11 +30,11 @@ from studio.human.skeleton import (
     NUM_BONES,
     NUM_JOINTS,
 )
+from studio.rhythm import PeriodicExtrapolator
+from studio.timing import CONTROL_DT, CONTROL_HZ
 
 Array = NDArray[np.float64]
 
-RATE = 30.0
-"""Hz, the control loop's and therefore every feature's."""
 DELTA_FRAMES = 3
 """Frames between the samples of a difference: 0.1 s at 30 Hz."""
 FEATURE_DIM = 3 * NUM_BONES + 1
@@ -43,7 +43,7 @@ FEATURE_NAMES: tuple[str, ...] = (*(f"{j}.{a}" for j in BONES for a in "xyz"), "
 HEIGHT = FEATURE_DIM - 1
 """Index of the pelvis' height in q (in leg lengths; 1.09 upright, about 0.5 in a deep squat)."""
 
-_DELTA_T = DELTA_FRAMES / RATE
+_DELTA_T = DELTA_FRAMES / CONTROL_HZ
 # A bone tracked at under .4 or over 1.7 times its known length is a glitch: held like one unseen.
 _GLITCH_SHORT, _GLITCH_LONG = 0.4, 1.7
 
@@ -105,9 +105,10 @@ class FeatureExtractor:
         beta: float = 0.5,
     ) -> None:
         self.mirror = mirror
-        self.calibrator = Calibrator(calibration, dt=1.0 / RATE)
-        self._hold = HoldThenEase(NEUTRAL_DIRECTION, dt=1.0 / RATE)
-        self._filter = OneEuro(min_cutoff, beta, dt=1.0 / RATE)
+        self.calibrator = Calibrator(calibration, dt=CONTROL_DT)
+        self._hold = HoldThenEase(NEUTRAL_DIRECTION, dt=CONTROL_DT)
+        self._filter = OneEuro(min_cutoff, beta, dt=CONTROL_DT)
+        self._extrapolator = PeriodicExtrapolator()
         self.reset()
 
     @property
@@ -120,18 +121,28 @@ class FeatureExtractor:
         self.calibrator.reset()
         self._hold.reset()
         self._filter.reset()
+        self._extrapolator.forget()
         self._last: HumanPose | None = None
         self._q: list[Array] = []
 
     def push(self, pose: HumanPose | None) -> Features:
         """The triplet after one more control period."""
+        again = pose is not None and pose is self._last
         if pose is None:
             direction = self._hold.push(NEUTRAL_DIRECTION, np.zeros(NUM_BONES, dtype=bool))
         else:
             direction = self._directions(pose)
         if self.mirror:
             direction = direction[MIRROR_BONES] * FLIP_Y
-        return self._differences(self._filter.push(_points(direction)).ravel()[_KEEP])
+        points = _points(direction)
+        # Legs that the last pose did not show move towards neutral: that is no march.
+        again = again and not self._hold.age[_LEGS].any()
+        guessed = self._extrapolator.guess() if again else None
+        if guessed is not None:
+            points = guessed
+        else:
+            self._extrapolator.see(points)
+        return self._differences(self._filter.push(points).ravel()[_KEEP])
 
     def _directions(self, pose: HumanPose) -> Array:
         direction_w, length, seen = bone_directions(pose.joint_pos_w, pose.confidence)
@@ -161,7 +172,7 @@ def clip_features(
     Raises ValueError for a clip of another rate: `clip.at_rate(30)` makes one as a live loop
     would see it.
     """
-    if len(clip) > 1 and abs(float(np.median(np.diff(clip.t))) * RATE - 1.0) > 0.05:
+    if len(clip) > 1 and abs(float(np.median(np.diff(clip.t))) * CONTROL_HZ - 1.0) > 0.05:
         raise ValueError(f"clip {clip.name!r} is not at 30 frames a second: use clip.at_rate(30)")
     extractor = FeatureExtractor(calibration, mirror)
     frames = [extractor.push(clip[i]) for i in range(len(clip))]

@@ -5,6 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.timing import CONTROL_DT
+
 Array = NDArray[np.float64]
 
 
@@ -27,7 +29,7 @@ class OneEuro:
         min_cutoff: float = 1.5,
         beta: float = 0.5,
         d_cutoff: float = 1.0,
-        dt: float = 1.0 / 30.0,
+        dt: float = CONTROL_DT,
     ) -> None:
         self._min_cutoff, self._beta, self._dt = min_cutoff, beta, dt
         self._d_gain = float(smoothing(d_cutoff, dt))
@@ -58,7 +60,7 @@ class HoldThenEase:
     """
 
     def __init__(
-        self, neutral: Array, hold: float = 0.5, tau: float = 0.5, dt: float = 1.0 / 30.0
+        self, neutral: Array, hold: float = 0.5, tau: float = 0.5, dt: float = CONTROL_DT
     ) -> None:
         self._neutral, self._hold, self._dt = neutral, hold, dt
         self._gain = 1.0 - math.exp(-dt / tau)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.human.skeleton import NUM_JOINTS
+from studio.timing import CONTROL_DT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +48,7 @@ class HumanClip:
     @property
     def seconds(self) -> float:
         """How long it lasts: the last frame as long as the others, so N frames last N periods."""
-        period = float(np.median(np.diff(self.t))) if len(self.t) > 1 else 1.0 / 30.0
+        period = float(np.median(np.diff(self.t))) if len(self.t) > 1 else CONTROL_DT
         return float(self.t[-1] - self.t[0]) + period
 
     def newest(self, rate: float) -> NDArray[np.int64]:

@@ -7,10 +7,11 @@ period and says what to show and whether a take begins or ends; `collecting.Coll
 from dataclasses import dataclass, field
 from typing import Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field, StrictBool
 
 from studio.errors import StudioError, unknown_name
-from studio.live.shown import PlanItem, ShownMotion
+from studio.live.command import Body
+from studio.live.shown_motion import PlanItem, ShownMotion
 from studio.reference.intent import Intent, StateName
 from studio.robot.a1 import CONTROL_DT
 
@@ -24,17 +25,16 @@ HANDS_FREE_REVIEW_S = 4.0
 HANDS_FREE_READY_S = 1.5
 
 
-class CollectPlan(BaseModel):
+class CollectPlan(Body):
     """What to collect. operator: who acts. notes: about the session. preview: show each motion
     once before it is recorded. hands_free: go on without buttons. seed: of the motions, a new one
     if left out."""
 
-    model_config = ConfigDict(frozen=True)
     items: tuple[PlanItem, ...]
     operator: str = Field(default="me", min_length=1, max_length=60)
     notes: str = Field(default="", max_length=4000)
-    preview: bool = True
-    hands_free: bool = False
+    preview: StrictBool = True
+    hands_free: StrictBool = False
     seed: int | None = Field(default=None, ge=0)
 
 

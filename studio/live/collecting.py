@@ -12,7 +12,7 @@ from studio.errors import StudioError
 from studio.human.calibration import Calibration
 from studio.live.collect_stages import ACTIONS, Collect, CollectPlan, Slot, Step
 from studio.live.disk_writer import DiskWriter
-from studio.live.shown import QUIET_S, Place, PlanItem, at_rest, draw_motion
+from studio.live.shown_motion import QUIET_S, Place, PlanItem, at_rest, draw_motion
 from studio.reference.intent import Intent, StateName
 from studio.robot.pose import ReferencePose, RobotPose
 from studio.takes.edit import edits

@@ -9,7 +9,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
-from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    GetCoreSchemaHandler,
+    GetJsonSchemaHandler,
+    model_validator,
+)
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from studio.errors import StudioError, unknown_name
@@ -22,7 +28,21 @@ Made = dict[str, Any]
 """What a command made: a take's name and ticks, say."""
 
 
-class Command(BaseModel, ABC):
+class Body(BaseModel):
+    """What a request's body may hold: its fields, and no other key.
+
+    A boolean is `StrictBool`: "no", else, would be false and "yes" true.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _known_keys(cls, asked: Any) -> Any:
+        return with_known_keys(asked, cls.model_fields)
+
+
+class Command(Body, ABC):
     """Frozen: it crosses threads. A subclass in `live/commands/` is all that a new command needs.
 
     path: POST /api/PATH asks for it; a field in braces is part of the path; "": no path of its own.
@@ -31,7 +51,6 @@ class Command(BaseModel, ABC):
     releases: lets a stopped robot move again, so that it must have been sent after the last stop.
     """
 
-    model_config = ConfigDict(frozen=True)
     path: ClassVar[str] = ""
     tag: ClassVar[str] = "studio"
     misfit_status: ClassVar[int] = 409
@@ -83,6 +102,15 @@ class OneOf:
             why = str(unknown_name(self.kind, name[:64], self.known))
             raise PydanticCustomError("misfit", "{why}", {"why": why})
         return name
+
+
+def with_known_keys(asked: Any, known: Iterable[str]) -> Any:
+    """`asked`, or pydantic's error on its first key that is none of `known`, naming those."""
+    for key in asked if isinstance(asked, dict) else ():
+        if key not in known:
+            why = str(unknown_name("key", str(key)[:64], known))
+            raise PydanticCustomError("misfit", "{why}", {"why": why})
+    return asked
 
 
 def with_why(check: Callable[..., T], *values: Any) -> T:

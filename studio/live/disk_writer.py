@@ -40,5 +40,6 @@ class DiskWriter:
             except StudioError as error:
                 self.problem = str(error)
                 log.error("%s", error)
-            except Exception:
+            except Exception as error:
+                self.problem = f"disk work failed: {str(error) or type(error).__name__}"
                 log.exception("disk work failed")

@@ -17,7 +17,7 @@ class Faults:
     def __init__(self, log: logging.Logger, clock: Callable[[], float] = time.monotonic) -> None:
         self._log, self._clock = log, clock
         self._seen: Counter[tuple] = Counter()
-        self._told: dict[tuple, float] = {}
+        self._logged_at: dict[tuple, float] = {}
         self._last = float("-inf")
         self.count = 0
 
@@ -34,13 +34,13 @@ class Faults:
         place = (at.tb_frame.f_code.co_filename, at.tb_lineno) if at is not None else ()
         fault = (what, type(error), place)
         self._seen[fault] += 1
-        if fault not in self._told:
+        if fault not in self._logged_at:
             self._log.error("%s", what, exc_info=error)
-        elif now - self._told[fault] >= AGAIN_S:
+        elif now - self._logged_at[fault] >= AGAIN_S:
             self._log.error("%s: %s (%d times so far)", what, error, self._seen[fault])
         else:
             return
-        self._told[fault] = now
+        self._logged_at[fault] = now
 
     @property
     def recent(self) -> bool:

@@ -180,7 +180,7 @@ class LiveLoop:
         late, dropped = self._metronome.late, self._metronome.dropped
         error = self._metronome.wait(self._stop_waits, self._stop_now)
         if self._metronome.dropped > dropped:
-            self.runtime.reading.slip(self._metronome.dropped - dropped)
+            self.runtime.reader.slip(self._metronome.dropped - dropped)
         self.runtime.safety.period(late=self._metronome.late > late)
         self.period_error_ms.append(1e3 * abs(error))
 

@@ -11,9 +11,9 @@ from studio.human.calibration import Calibration, calibrate
 from studio.live.collect_stages import Step
 from studio.live.collecting import Collector
 from studio.live.mappers import SHIPPED, Mappers, OpenedMapper
-from studio.live.reading import Acting, OpenedSource, Reading, open_for
 from studio.live.replay import Replay
 from studio.live.safety import Safety
+from studio.live.source_reader import OpenedSource, ReplacedSource, SourceReader, open_for
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.robot.pose import ReferencePose
@@ -47,7 +47,7 @@ class Runtime:
         self.config = config
         opened = opened or open_for(config.source, config.puppeteer, config.sessions)
         self.puppeteer = puppeteer or Puppeteer(config.puppeteer, opened.calibration)
-        self.reading = Reading(opened.source)
+        self.reader = SourceReader(opened.source)
         live = opened.source.starts_live
         self.safety = Safety(armed=live)
         self.mode = "live" if live else "idle"
@@ -56,7 +56,7 @@ class Runtime:
         self.replay: Replay | None = None
         self.collector = Collector(config.sessions, self.recorder)
         self.mappers = Mappers(self.puppeteer.retargeter.experts)
-        self.acting = Acting()
+        self.replaced = ReplacedSource()
         self.last_take: str | None = None
         self.scene = "empty"
         self.reason: Reason = ""  # for the last tick's `why`
@@ -65,7 +65,7 @@ class Runtime:
     @property
     def source(self) -> Source:
         """Where human motion comes from now."""
-        return self.reading.source
+        return self.reader.source
 
     # What commands ask of more than one of them -------------------------------------------------
 
@@ -106,12 +106,12 @@ class Runtime:
             return replace(tick, counters=self.counters(), why=self.safety.stop_line or tick.why)
         self._stand_up_if_demo(now)
         shown, collecting = self._collect()
-        human = self.reading.read(now)
+        human = self.reader.read(now)
 
         def command(age: float) -> DriveCommand:
             if age == 0.0:
                 self.safety.see(now)
-            return self.safety.command(now, self.mode, source_ended=self.reading.ended)
+            return self.safety.command(now, self.mode, source_ended=self.reader.ended)
 
         try:
             tick = self.puppeteer.step(human, command, shown)
@@ -133,7 +133,7 @@ class Runtime:
     def counters(self) -> dict[str, int]:
         """Totals since the start."""
         own = self.puppeteer.counters
-        rejected = own["rejected"] + self.reading.rejected
+        rejected = own["rejected"] + self.reader.rejected
         return {
             **own,
             "frames": own["frames"] + self._replayed,
@@ -143,8 +143,8 @@ class Runtime:
 
     @property
     def _demo(self) -> bool:
-        """Nobody drives: the synthetic person tours by itself."""
-        return self.mode == "live" and self.source.name == "operator"
+        """Nobody drives."""
+        return self.mode == "live" and self.source.tours
 
     def _stand_up_if_demo(self, now: float) -> None:
         if self.safety.rises(now, demo=self._demo):
@@ -155,7 +155,7 @@ class Runtime:
 
     def watch(self, opened: OpenedSource, now: float, played: float = 0.0) -> None:
         """Another person from here on, whose source began `played` s ago."""
-        self.reading.use(opened.source, now, played)
+        self.reader.use(opened.source, now, played)
         self.puppeteer.forget_person(opened.calibration)
         self.safety.forget_person()
 
@@ -167,7 +167,7 @@ class Runtime:
     def walk_in(self, style: str) -> None:
         """Walking means `style` to whoever is watched next, and to the built-in operator now."""
         self.config = replace(self.config, puppeteer=replace(self.config.puppeteer, style=style))
-        for source in (self.source, self.acting.waiting):
+        for source in (self.source, self.replaced.waiting):
             if source is not None:
                 source.set_style(style)
 
@@ -177,7 +177,7 @@ class Runtime:
         return {
             "source": self.source.name,
             "style": puppeteer.config.style,
-            "controller": puppeteer.tracker.name,
+            "controller": puppeteer.controller.name,
             "mirror": puppeteer.config.mirror,
         }
 
@@ -190,14 +190,12 @@ class Runtime:
         """In mode collect: what is shown in this period, to the person too, and the plan's step."""
         if self.mode != "collect":
             return None, None
-        if self.reading.ended:
+        if self.reader.ended:
             self.collector.nobody_acts(_ENDED)
-        controller = self.puppeteer.controller
-        shown, step = self.collector.step(
-            controller.reference, controller.facing, not controller.following
-        )
+        machine = self.puppeteer.state_machine
+        shown, step = self.collector.step(machine.reference, machine.facing, not machine.following)
         if step.event == "start":
-            self.puppeteer.meet()
+            self.puppeteer.align_robot_to_reference()
         self.source.show(shown.intent)
         return (shown.state, shown.pose), step
 
@@ -208,7 +206,7 @@ class Runtime:
             return
         self.collector.refuse_while_recording()
         if operator is not None:
-            self.acting.enter(self.source, self.reading.played(now))
+            self.replaced.enter(self.source, self.reader.played(now))
             self.watch(operator, now)
         self.enter("collect", now)
 
@@ -217,10 +215,10 @@ class Runtime:
         if self.mode != "collect":
             return
         self.collector.abort("collecting was left: the take was thrown away")
-        before = self.acting.leave()
+        before = self.replaced.leave()
         if before is not None:
             source, played = before
-            self.reading.close()
+            self.reader.close()
             calibration = calibrate(source.calibration_poses())
             self.watch(OpenedSource(source=source, calibration=calibration), now, played)
 
@@ -234,7 +232,7 @@ class Runtime:
 
     def close(self) -> None:
         """End a take in good order and free the source."""
-        self.acting.forget()
+        self.replaced.forget()
         self.recorder.close()
         self.collector.close()
-        self.reading.close()
+        self.reader.close()

@@ -2,7 +2,7 @@
 
     no human pose                    as `control.staleness` says: hold, then stand
     page in control silent  400 ms   stand (begun within 0.5 s of its loss)
-    24 of 30 periods late            hold: this computer cannot keep the rate
+    more than 24 of 30 periods late  stand, until as many are in time: too slow a computer
     emergency stop, fall, fault      damping, latched: reset (stand up), then arm (1 s ramp)
     fall of the page's own demo      damping; 3 s later it stands up and goes on, unless stopped
 
@@ -19,7 +19,8 @@ ARM_RAMP = 1.0
 DEMO_LIES = 3.0
 """s."""
 OVERRUN_WINDOW, OVERRUN_SHARE = 30, 0.8
-"""Of the last 30 periods so many late means that this computer cannot keep the rate."""
+"""More of the last 30 periods late means that this computer cannot keep the rate, and more in time
+that it can again: a robot that walks and stops by turns falls sooner or later."""
 Decision = tuple[Directive, Reason, str]
 
 
@@ -42,6 +43,7 @@ class Safety:
         self._left: str | None = None
         self._beat_at = 0.0
         self._late: deque[bool] = deque(maxlen=OVERRUN_WINDOW)
+        self.overrun = False  # most of the last second's periods were late, and not yet in time
 
     # Latches ------------------------------------------------------------------------------------
 
@@ -131,12 +133,11 @@ class Safety:
     def period(self, *, late: bool) -> None:
         """A control period has ended, after its deadline or before."""
         self._late.append(late)
-
-    @property
-    def overrun(self) -> bool:
-        """Most of the last second's periods were late."""
-        full = len(self._late) == OVERRUN_WINDOW
-        return full and sum(self._late) > OVERRUN_SHARE * OVERRUN_WINDOW
+        share = sum(self._late) / OVERRUN_WINDOW
+        if share > OVERRUN_SHARE:
+            self.overrun = True
+        elif share < 1.0 - OVERRUN_SHARE:
+            self.overrun = False
 
     # The decision -------------------------------------------------------------------------------
 
@@ -189,5 +190,5 @@ class Safety:
         if directive is not Directive.FOLLOW:
             return directive, "stale", stale_line(age)
         if self.overrun:
-            return Directive.HOLD, "overrun", "overrun: this computer cannot keep 30 Hz"
+            return Directive.STAND, "overrun", "overrun: this computer cannot keep 30 Hz"
         return Directive.FOLLOW, "", ""

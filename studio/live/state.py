@@ -55,7 +55,7 @@ def state_dict(
         "latency_ms": of_tick["timings_ms"],
         "period_error_ms": {"p50": round(p50, 3), "p95": round(p95, 3), "p99": round(p99, 3)},
         "robot": part("robot", tick.robot, "trace"),
-        "controller": puppeteer.tracker.name,
+        "controller": puppeteer.controller.name,
         "style": puppeteer.config.style,
         "gains": asdict(puppeteer.retargeter.settings),
         "mirror": puppeteer.config.mirror,

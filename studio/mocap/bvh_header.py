@@ -74,13 +74,13 @@ class Hierarchy:
     def as_in(self, row: Array) -> "Hierarchy":
         """The same with `added` as a first row (C,) shows it: positions that are all about zero, of
         joints whose OFFSETs are not, are displacements."""
-        said = [
+        lengths = [
             (np.linalg.norm([row[c] for _, c in self.positions[j]]), np.linalg.norm(offset))
             for j, offset in enumerate(self.offsets)
             if self.parents[j] >= 0 and len(self.positions[j]) == 3
         ]
-        told, rest = np.median(said, axis=0) if said else (0.0, 0.0)
-        return replace(self, added=bool(told < 0.1 * rest))
+        moved, rest = np.median(lengths, axis=0) if lengths else (0.0, 0.0)
+        return replace(self, added=bool(moved < 0.1 * rest))
 
 
 def _about(axis: int, angle: Array) -> Array:

@@ -9,13 +9,12 @@ from numpy.typing import NDArray
 
 from studio.errors import StudioError
 from studio.mocap.source_report import Refused
-from studio.mocap.text import Lines
+from studio.mocap.text import MAX_FRAMES, Lines
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 log = logging.getLogger(__name__)
 
-MAX_FRAMES = 1_000_000
 MAX_VALUE = 1e9
 """No position and no angle is larger."""
 BLOCK = 1024

@@ -1,17 +1,17 @@
 """A recorded motion held in memory → a source: what `bvh:` and `frames:` play."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from studio.human.pose import HumanClip, HumanPose
-from studio.mocap.source import Source, SourceEnded
+from studio.mocap.source import Source, SourceEnded, thinned
 from studio.mocap.source_report import OWN, SourceReport
 from studio.robot.a1 import CONTROL_DT
 
 TOLERANCE = 0.5 * CONTROL_DT
 """s: half a control period, so that rounded time stamps do not slip a frame."""
-CALIBRATION_POSES = 300
 
 
 class ClipSource(Source):
@@ -41,8 +41,13 @@ class ClipSource(Source):
 
     def calibration_poses(self) -> list[HumanPose]:
         """The whole clip, thinned to a few hundred poses."""
-        step = max(len(self.clip) // CALIBRATION_POSES, 1)
-        return [self.clip[i] for i in range(0, len(self.clip), step)]
+        return thinned(self.clip)
+
+    @property
+    def label(self) -> str:
+        """The kind of file and its name: "bvh brisk walk"."""
+        kind, _, path = self.name.partition(":")
+        return f"{kind} {Path(path).stem}".replace("_", " ").strip()
 
     @property
     def report(self) -> SourceReport:

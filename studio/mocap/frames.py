@@ -24,11 +24,10 @@ from studio.mocap.kinect import UNIT, is_kinect, kinect_frames
 from studio.mocap.raw_frame import MAX_BYTES, FrameRejected
 from studio.mocap.recorded import Recorded, settled
 from studio.mocap.source_report import Refused, report_on
-from studio.mocap.text import encoding_of
+from studio.mocap.text import MAX_FRAMES, encoding_of
 
 log = logging.getLogger(__name__)
 
-MAX_FRAMES = 1_000_000
 MAX_FILE = 2 * 2**30
 """Bytes of a file with a frame a line, which is read line by line."""
 MAX_DOCUMENT = 256 * 2**20

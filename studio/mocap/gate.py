@@ -15,6 +15,7 @@ from studio.human.pose import HumanPose
 from studio.human.posture import SEEN
 from studio.human.sensor_skeletons import SKELETONS, SourceSkeleton
 from studio.mocap.raw_frame import FrameRejected, arrays_of, parse_frame
+from studio.timing import CONTROL_DT
 
 Array = NDArray[np.float64]
 
@@ -169,7 +170,7 @@ class FrameGate:
         both = (pose.confidence >= SEEN) & (last.confidence >= SEEN)
         moved = pose.joint_pos_w - last.joint_pos_w
         # A sensor's jitter over a tiny step of time is no speed: count no step as under 1/30 s.
-        dt = max(pose.t - last.t, 1.0 / 30.0)
+        dt = max(pose.t - last.t, CONTROL_DT)
         speed = math.sqrt(float((np.einsum("ji,ji->j", moved, moved) * both).max())) / dt
         if speed > MAX_SPEED:
             raise FrameRejected(

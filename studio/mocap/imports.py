@@ -1,6 +1,6 @@
 """What was recorded elsewhere to takes: a motion file becomes the human side of one.
 
-Imports nothing of the web: the helper's process runs it (`web.helper`).
+Imports nothing of the web: the process for files runs it (`web.worker_process`).
 """
 
 from collections.abc import Iterator
@@ -19,6 +19,7 @@ from studio.reference.stances import NEUTRAL
 from studio.robot import a1
 from studio.takes import commands
 from studio.takes.export import adding
+from studio.takes.export.archive import import_zip
 from studio.takes.names import check_take, slug, take_folder
 from studio.takes.record.meta import TAPE
 from studio.takes.record.recorder import Recorder
@@ -29,7 +30,8 @@ from studio.takes.tick import Tick, tick_at_rest
 SUFFIXES = (".bvh", ".jsonl", ".json", ".ndjson")
 MAX_SECONDS = 6 * 3600.0
 KINDS = (
-    f"send a take (its {TAPE}, with meta.json), a .zip of takes, a .bvh or human frames (.jsonl)"
+    f"send a take (its {TAPE}, with meta.json; or exported, .mcap), a .zip of takes or of a"
+    " LeRobotDataset of ours, a .bvh or human frames (.jsonl)"
 )
 
 
@@ -41,7 +43,7 @@ def take_in(sessions: Path, stored: list[Path], robot: str | None) -> dict[str, 
         if not taken:
             raise StudioError("; ".join(why.values()))
         return nothing | {"takes": taken}
-    if len(stored) == 1 and stored[0].suffix.lower() in (".zip", *SUFFIXES):
+    if len(stored) == 1 and stored[0].suffix.lower() in (".zip", ".mcap", *SUFFIXES):
         return nothing | import_take(sessions, stored[0], robot=robot)
     raise StudioError(KINDS)
 
@@ -53,28 +55,34 @@ def import_take(
     robot: str | None = None,
     joint_map: Path | None = None,
 ) -> dict[str, Any]:
-    """Take in what was recorded elsewhere: takes (a folder of one or of many, a zip) or a motion.
+    """Take in what was recorded elsewhere: takes (a folder of one or of many, a zip, what `export`
+    made of them) or a motion.
 
     A motion file (.bvh, or human frames as .jsonl) becomes the human side of a take. robot: the
     take whose robot that person is put beside; without one the robot stands by. joint_map: a JSON
     file that says which joint of a BVH is which. From a zip or a folder of takes, they get names
     that are free, and those refused are named with why.
     """
-    zipped = path.suffix.lower() == ".zip" and path.is_file()
-    if path.is_file() and path.name != TAPE and not zipped:
+    kind = path.suffix.lower() if path.is_file() and path.name != TAPE else ""
+    if kind and kind not in (".zip", ".mcap"):
         said = read_joint_map(joint_map) if joint_map is not None else None
         return import_human(sessions, path, name, robot, said)
     if robot is not None:
         raise StudioError("a robot is put beside a motion file (.bvh, .jsonl), not beside a take")
     if joint_map is not None:
         raise StudioError("a joint map says which joint of a .bvh is which; takes need none")
-    if zipped:
+    if kind == ".mcap":
+        try:
+            return {"takes": [adding.add_mcap(Path(sessions), path, name)]}
+        except OSError as error:
+            raise StudioError(f"{path.name} was not imported: {error.strerror}") from error
+    if kind == ".zip":
         if name is not None:
             raise StudioError("the takes in a zip have names of their own: leave the name out")
-        taken, refused = adding.add_zip(sessions, path)
-        if not taken:
-            raise StudioError("; ".join(refused.values()))
-        return {"takes": taken, "refused": refused}
+        found = import_zip(Path(sessions), path)
+        if not found["takes"]:
+            raise StudioError("; ".join(found["refused"].values()) or f"{path.name} holds no take")
+        return found
     return commands.import_take(sessions, path.parent if path.name == TAPE else path, name)
 
 

@@ -3,14 +3,15 @@
 And what only some can do, with defaults for the others: a new source derives from `Source`.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import count
 from typing import Protocol, runtime_checkable
 
 from studio.errors import StudioError
-from studio.human.pose import HumanPose
+from studio.human.pose import HumanClip, HumanPose
 from studio.mocap.source_report import OWN, SourceReport
 from studio.reference.intent import Intent
+from studio.timing import CONTROL_HZ
 
 
 class SourceEnded(Exception):
@@ -28,11 +29,14 @@ class Source(Protocol):
 
     name: the spec it was opened with, as in docs/contract.md. starts_live: armed and live at once
     (files, the operator), or idle until armed (webcam, stream, vmc). duration: s, None if endless.
+    tours: nobody drives, it shows what can be done. take: the recorded take that it plays, if any.
     """
 
     name: str
     starts_live: bool
     duration: float | None
+    tours: bool = False
+    take: str | None = None
 
     def read(self, t: float) -> HumanPose | None:
         """The newest pose with time <= t (s since the source's start) not given before.
@@ -45,6 +49,11 @@ class Source(Protocol):
     def calibration_poses(self) -> list[HumanPose]:
         """Poses that may be scanned ahead to calibrate (a whole file, thinned); [] when live."""
         ...
+
+    @property
+    def label(self) -> str:
+        """Source and motion in words, which a take of it is called unless it is given a label."""
+        return self.name.replace(":", " ").replace("_", " ")
 
     @property
     def rejected(self) -> int:
@@ -71,7 +80,7 @@ class Source(Protocol):
 
         Raises FrameRejected for one that does not fit, TakesNoFrames where none can be sent.
         """
-        raise TakesNoFrames(f"the source is {self.name}: set the source to stream first")
+        raise TakesNoFrames(f"the source is {self.name}: set the source to stream or webcam first")
 
     def new_sender(self) -> None:
         """Another client starts to send frames: its skeleton and clock are its own."""
@@ -82,15 +91,30 @@ class Source(Protocol):
         return
 
     def set_style(self, style: str) -> None:
-        """Mean walking by another motion (`retarget.store.STYLES`), if the person is synthetic."""
+        """Mean walking by another motion (`options.STYLES`), if the person is synthetic."""
         return
+
+    def stand_in(self, *, seed: int, style: str) -> "Source | None":
+        """The synthetic person who acts out what is shown (`show`) in the place of this one; None
+        where that is for somebody real, or for this one."""
+        return None
 
     def show(self, intent: Intent) -> None:
         """What the person sees meant in this control period, if they can be shown something."""
         return
 
 
-def poses(source: Source, rate: float = 30.0) -> Iterator[HumanPose | None]:
+CALIBRATION_POSES = 300
+"""Enough of a recorded person to measure them by."""
+
+
+def thinned(poses: Sequence[HumanPose] | HumanClip) -> list[HumanPose]:
+    """Every n-th pose, so that some CALIBRATION_POSES are left, spread over all."""
+    step = max(len(poses) // CALIBRATION_POSES, 1)
+    return [poses[i] for i in range(0, len(poses), step)]
+
+
+def poses(source: Source, rate: float = CONTROL_HZ) -> Iterator[HumanPose | None]:
     """What a source has to give in each control period, None where that is nothing, to its end."""
     for k in count():
         try:

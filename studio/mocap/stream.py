@@ -5,6 +5,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -18,7 +19,7 @@ from studio.mocap.source_report import Refused, SourceReport, report_on
 
 
 class StreamSource(Source):
-    """The source `stream`: `push` and `new_sender` from any thread, `read` from the loop's.
+    """Sources `stream`, `webcam`: `push` and `new_sender` from any thread, `read` from the loop's.
 
     Poses are stamped with the seconds since the source was opened, at arrival: a sender's own
     clock may count from anywhere. How old is too old is for `live.safety` to say; see `age`.
@@ -41,12 +42,19 @@ class StreamSource(Source):
 
     def push(self, raw: object) -> None:
         """Take in one frame: JSON text or bytes, or the decoded object. Raises FrameRejected."""
+        try:
+            self._admit(self._gate.check, raw)
+        except FrameRejected as error:
+            self._refuse(str(error))
+            raise
+
+    def _refuse(self, why: str) -> None:
         with self._lock:
-            try:
-                pose = self._gate.check(raw)
-            except FrameRejected as error:
-                self._refused = self._refused.plus(str(error))
-                raise
+            self._refused = self._refused.plus(why)
+
+    def _admit(self, check: Callable[[Any], HumanPose], given: object) -> None:
+        with self._lock:
+            pose = check(given)
             self._latest = replace(pose, t=self._clock() - self._opened)
             self._fresh = True
 

@@ -9,13 +9,11 @@ from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.human.posture import SEEN
 from studio.human.sensor_skeletons import SKELETONS
-from studio.mocap.source import Source, SourceEnded
+from studio.mocap.source import Source, SourceEnded, thinned
 from studio.mocap.source_report import SourceReport, report_on
 from studio.robot import a1
 from studio.takes.export.formats import tick_range
 from studio.takes.session_library import SessionLibrary
-
-_CALIBRATION_POSES = 300
 
 
 class TakeSource(Source):
@@ -36,7 +34,7 @@ class TakeSource(Source):
         if not self._poses:
             raise StudioError(f"take {name} has no human motion to replay")
         self._restore_clock([take.ticks[n].human for n in used])
-        self.name = f"take:{name}"
+        self.name, self.take = f"take:{name}", name
         self.duration: float | None = (end - start) * a1.CONTROL_DT
         self._next = 0
         seen = np.max([pose.confidence for pose in self._poses], axis=0) >= SEEN
@@ -62,7 +60,7 @@ class TakeSource(Source):
 
     def calibration_poses(self) -> list[HumanPose]:
         """The take, thinned."""
-        return self._poses[:: max(1, len(self._poses) // _CALIBRATION_POSES)]
+        return thinned(self._poses)
 
     @property
     def report(self) -> SourceReport:

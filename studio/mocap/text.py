@@ -12,6 +12,8 @@ from studio.files import BUFFER, open_regular
 
 MAX_LINE = 200_000
 """Characters in a line; no honest frame is longer."""
+MAX_FRAMES = 1_000_000
+"""In a file: nine hours at 30 Hz."""
 _MARKS = ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"),
           (codecs.BOM_UTF16_BE, "utf-16"))  # fmt: skip
 _NAMING = ("root", "joint", "end")

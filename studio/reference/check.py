@@ -115,7 +115,7 @@ def _zmp_balance(motion: ReferenceMotion, feet: Array, com: Array) -> list[str]:
     acc[1:-1] = (com[2:] - 2.0 * com[1:-1] + com[:-2]) / motion.dt**2
     kernel = np.ones(5) / 5.0
     acc = np.stack([np.convolve(acc[:, k], kernel, mode="same") for k in range(3)], axis=-1)
-    zmp = com[:, :2] - com[:, 2:] / 9.81 * acc[:, :2]
+    zmp = com[:, :2] - com[:, 2:] / a1.GRAVITY * acc[:, :2]
     on = feet[..., 2] - a1.FOOT_RADIUS < 1e-3
     outside = np.where(
         np.sum(on, axis=-1) >= 3, kinematics.support_distance(zmp, feet[..., :2], on), 0.0

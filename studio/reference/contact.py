@@ -10,6 +10,7 @@ with h the height of the sole above the floor and v the speed of the foot in the
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studio.geometry.time_scaling import smoothstep
 from studio.reference.motion import backward_difference
 from studio.robot import a1
 
@@ -19,12 +20,6 @@ HEIGHT = 0.02
 """m: above it a foot is in the air."""
 SPEED = 0.60
 """m/s: above it a foot is not standing."""
-
-
-def smoothstep(x: ArrayLike) -> Array:
-    """3 x^2 - 2 x^3 of x (...) clipped to [0, 1]: smooth from 0 to 1."""
-    x = np.minimum(np.maximum(np.asarray(x, dtype=np.float64), 0.0), 1.0)
-    return x * x * (3.0 - 2.0 * x)
 
 
 def contact_label(sole_height: ArrayLike, speed: ArrayLike) -> Array:

@@ -114,7 +114,7 @@ class ContactLock:
             self._regrip(want, was, anchor, before, arm)
         stance = [i for i in LEGS if was[i] and want[i]]
         drift = (0.0, 0.0) if drift_vel_w is None else drift_vel_w[:2].tolist()
-        base = self._carried(before, arm, anchor, stance, drift, dt)
+        base = self._root_over_stance(before, arm, anchor, stance, drift, dt)
         base = scalars.no_further(base, before, root_speed * dt)
 
         foot_w: list[Vec] = []
@@ -188,7 +188,7 @@ class ContactLock:
             self._hop_left[worst] = self.config.hop_s
             want[worst] = False
 
-    def _carried(
+    def _root_over_stance(
         self,
         base: list[float],
         arm: list[Vec],

@@ -15,7 +15,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from studio.reference.contact import smoothstep
+from studio.geometry.time_scaling import smoothstep
+from studio.robot import a1
 
 Array = NDArray[np.float64]
 
@@ -60,7 +61,7 @@ FORWARD = 0.010
 trunk's origin (played open loop, the walk goes further)."""
 _SWAY_CENTRE = 0.48  # phase in the middle of the swings of RR and FR: the body is left
 _THIRD = -0.25  # share of the third harmonic: flattens the wave while feet swing
-_HEIGHT_OVER_G = 0.26 / 9.81
+_HEIGHT_OVER_G = 0.26 / a1.GRAVITY
 
 
 REST_PHASE = 0.49

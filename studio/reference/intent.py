@@ -7,14 +7,15 @@ a keyboard sets an intent, the operator acts it, the mapper reads the person.
 """
 
 from dataclasses import dataclass, field
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.options import STATES, StateName
+
+__all__ = ["STATES", "Intent", "IntentTrack", "StateName"]
+
 Array = NDArray[np.float64]
-StateName = Literal["stand", "walk", "sit"]
-STATES: tuple[StateName, ...] = ("stand", "walk", "sit")
 
 
 @dataclass(frozen=True, kw_only=True)

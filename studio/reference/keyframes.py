@@ -8,12 +8,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
+from studio.geometry.time_scaling import minimum_jerk
 from studio.reference.intent import IntentTrack, StateName
 from studio.reference.realize import realize
 from studio.reference.stances import JOINT_SPEED
 from studio.reference.tracks import frames_in, make_track
+from studio.timing import CONTROL_HZ
 
 Array = NDArray[np.float64]
 
@@ -34,12 +36,6 @@ class Goal:
     def vector(self) -> Array:
         """(8,) tilt, crouch, reach, reach_side."""
         return np.concatenate([self.tilt, [self.crouch], self.reach, self.reach_side])
-
-
-def minimum_jerk(s: ArrayLike) -> Array:
-    """10 s^3 - 15 s^4 + 6 s^5 of s (...) clipped to [0, 1]: at rest at both ends."""
-    s = np.clip(np.asarray(s, dtype=np.float64), 0.0, 1.0)
-    return s**3 * (10.0 - 15.0 * s + 6.0 * s * s)
 
 
 def keyframe_track(
@@ -73,7 +69,7 @@ def interpolate(
     """The track through goals (K + 1, 8): rests[k] s at goal k, then moves[k] s to the next."""
     length = frames_in(seconds)
     start = np.concatenate([[0.0], np.cumsum(rests + moves)[:-1]]) + rests
-    t = np.arange(length) / 30.0
+    t = np.arange(length) / CONTROL_HZ
     k = np.clip(np.searchsorted(start, t, side="right") - 1, 0, len(moves) - 1)
     s = minimum_jerk((t - start[k]) / moves[k])[:, None]
     value = goals[k] + s * (goals[k + 1] - goals[k])

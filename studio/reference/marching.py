@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.geometry.time_scaling import smoothstep
 from studio.reference import gait
-from studio.reference.contact import smoothstep
 from studio.reference.intent import IntentTrack
 from studio.reference.tracks import frames_in, make_track
+from studio.timing import CONTROL_HZ
 
 Array = NDArray[np.float64]
 
@@ -40,7 +41,7 @@ def march_track(
 ) -> IntentTrack:
     """The track (30 Hz) of these bouts after `lead` s of standing; stands when they are over."""
     length = frames_in(seconds)
-    t = np.arange(length) / 30.0
+    t = np.arange(length) / CONTROL_HZ
     phase = np.full(length, gait.REST_PHASE)
     cadence, lift, turn = np.zeros(length), np.zeros(length), np.zeros(length)
     begin = lead

@@ -1,5 +1,6 @@
 """ReferenceMotion: poses, velocities and contacts the robot should track, at the control rate."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -7,6 +8,7 @@ from numpy.typing import NDArray
 
 from studio import geometry
 from studio.reference.intent import StateName
+from studio.robot.a1 import CONTROL_DT
 from studio.robot.pose import ReferencePose
 
 Array = NDArray[np.float64]
@@ -31,6 +33,19 @@ class ReferenceMotion:
 
     def __len__(self) -> int:
         return len(self.joint_pos)
+
+    @classmethod
+    def of(cls, state: StateName, task: str, poses: Sequence[ReferencePose]) -> "ReferenceMotion":
+        """The poses of consecutive control periods, one at least; velocities follow anew."""
+        return cls(
+            state=state,
+            task=task,
+            dt=CONTROL_DT,
+            base_pos=np.stack([pose.base_pos for pose in poses]),
+            base_quat=np.stack([pose.base_quat for pose in poses]),
+            joint_pos=np.stack([pose.joint_pos for pose in poses]),
+            foot_contact=np.stack([pose.foot_contact for pose in poses]),
+        )
 
     @property
     def joint_vel(self) -> Array:

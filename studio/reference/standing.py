@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
+from studio.geometry.time_scaling import smoothstep
 from studio.reference import stances
-from studio.reference.contact import smoothstep
 from studio.robot import a1, kinematics
 
 Array = NDArray[np.float64]
@@ -46,7 +46,7 @@ def stand_poses(
 
     tilt (T, 3) rad, crouch (T,), reach and reach_side (T, 2). World frame, feet at neutral.
     """
-    reach = carried_reach(np.clip(reach, 0.0, 1.0))
+    reach = reach_on_three_feet(np.clip(reach, 0.0, 1.0))
     side, crouch = np.clip(reach_side, -1.0, 1.0), np.clip(crouch, 0.0, 1.0)
     base, quat, joints, error = _solve(tilt, crouch, reach, side)
     bad = np.flatnonzero(error > _MAX_ERROR)
@@ -75,7 +75,7 @@ def height(tilt: Array, crouch: Array) -> Array:
     return upright + (TILT_HEIGHT - upright) * amount
 
 
-def carried_reach(reach: Array) -> Array:
+def reach_on_three_feet(reach: Array) -> Array:
     """Reach (..., 2) that a stand can follow: the higher paw is raised, the other carries.
 
     Both raised alike leaves both down: a robot on its rear legs alone would fall.

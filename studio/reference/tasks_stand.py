@@ -6,10 +6,11 @@ import numpy as np
 
 from studio.reference.intent import IntentTrack
 from studio.reference.keyframes import Goal, keyframe_track
+from studio.reference.standing import FULL_TILT
 from studio.reference.task import Task, amplitude, draw_paw_goal, draw_tilt
 
 SWAY = np.radians(3.0)
-TILT = np.radians([40.0, 40.0, 40.0])
+TILT = np.full(3, FULL_TILT)
 CROUCH_LEAN = np.radians(6.0)
 TILT_REACHING = np.radians([25.0, 25.0, 25.0])
 

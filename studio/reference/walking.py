@@ -10,6 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.geometry.time_scaling import smoothstep
 from studio.reference import gait, stances
 from studio.reference.intent import Intent
 from studio.robot import a1
@@ -120,7 +121,7 @@ class Walker:
         self._foot[leg] = (place[0], place[1], 0.0)
 
     def _pose(self, intent: Intent, cadence: float) -> tuple[Array, Array, Array]:
-        active = float(gait.smoothstep(intent.lift / 0.3))
+        active = float(smoothstep(intent.lift / 0.3))
         along, side = (active * gait.sway(intent.phase, cadence, self._tempo)).tolist()
         x, y = _ahead(self._x, self._y, self._yaw, (along, side))
         crouch = min(max(intent.crouch, 0.0), 1.0)

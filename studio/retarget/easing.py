@@ -3,12 +3,15 @@
 import numpy as np
 
 from studio import geometry
+from studio.geometry.time_scaling import smoothstep
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.retarget.mapper import Mapped
 
 HOLD = 0.3
-"""s without a human pose before the reference eases to neutral."""
+"""s given no pose before the reference eases to neutral. In the whole flow the last pose stands in
+for those that do not come for another `control.staleness.STAND_AFTER` before, and the robot then
+stands: easing only makes sure that the reference has come to rest when the person comes back."""
 EASE = 0.6
 """s that easing to neutral (or back) takes."""
 
@@ -32,7 +35,7 @@ class Easing:
 
     def toward_neutral(self, mapped: Mapped, state: StateName) -> Mapped:
         """The mapped frame, blended to the state's neutral pose by how far that has gone."""
-        s = self._share * self._share * (3.0 - 2.0 * self._share)
+        s = smoothstep(self._share)
         if s >= 1.0:
             return mapped
         rest = NEUTRAL[state]

@@ -10,7 +10,8 @@ from studio.geometry import scalars
 from studio.reference.consistency import limit_speed, limit_turn
 from studio.reference.contact_lock import ContactConfig, ContactLock
 from studio.reference.intent import StateName
-from studio.reference.stances import NEUTRAL
+from studio.reference.stances import NEUTRAL, quickness
+from studio.reference.tasks_walk import MAX_TURN
 from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES, Mapped
 from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
@@ -21,7 +22,7 @@ Array = NDArray[np.float64]
 
 TURN_TAU = 0.8
 """s, low-pass of the turning rate while walking: a march sways the trunk at every step."""
-TURN_DEAD_ZONE, TURN_MAX = math.radians(4.0), math.radians(15.0)
+TURN_DEAD_ZONE, TURN_MAX = math.radians(4.0), float(MAX_TURN)
 """rad/s: slower turns are nobody's wish (without this a real march, trunk a few degrees to the
 left, veered by 46 degrees in 9 s); the fastest is the library's."""
 
@@ -88,19 +89,20 @@ class FootholdPlanner:
         wanted = np.array(scalars.mul(scalars.yaw(self._yaw), quat_s.tolist()))
         last, lock = self.last, self._lock
         lock.config = spec.consistency if felt else AS_PLANNED
-        quat, turned = limit_turn(wanted, last.base_quat, spec.trunk_speed, dt)
-        asked = lock.step(joint_pos, quat, contact, dt, drift, spec.root_speed)
-        joint_pos, clipped = limit_speed(asked, last.joint_pos, spec.speed_limit, dt)
+        quick = quickness(self.state, self.settings.joint_speed)
+        quat, turned = limit_turn(wanted, last.base_quat, quick * spec.trunk_speed, dt)
+        asked = lock.step(joint_pos, quat, contact, dt, drift, quick * spec.root_speed)
+        joint_pos, clipped = limit_speed(asked, last.joint_pos, quick * spec.speed_limit, dt)
         if clipped:
             lock.recheck(joint_pos, quat)
         spun = scalars.rotvec(scalars.mul(scalars.conj(last.base_quat.tolist()), quat.tolist()))
-        # What is told agrees with what is done: a foot held through the hysteresis is a contact.
-        told = np.where(lock.locked, np.maximum(contact, 0.51), np.minimum(contact, 0.49))
+        # The labels agree with what is done: a foot held through the hysteresis is a contact.
+        labels = np.where(lock.locked, np.maximum(contact, 0.51), np.minimum(contact, 0.49))
         self.last = ReferencePose(
             base_pos=lock.base_pos,
             base_quat=quat,
             joint_pos=joint_pos,
-            foot_contact=told,
+            foot_contact=labels,
             base_lin_vel_w=(lock.base_pos - last.base_pos) / dt,
             base_ang_vel_b=np.array(spun) / dt,
             joint_vel=(joint_pos - last.joint_pos) / dt,

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from studio.human.skeleton import BONES
 from studio.reference import gait
+from studio.reference.tasks_walk import MAX_TURN
 from studio.robot.a1 import CONTROL_DT
 
 Array = NDArray[np.float64]
@@ -35,7 +36,7 @@ YAW_GAIN, YAW_DEAD = 0.7, math.radians(5.0)
 without a dead zone fitted best, erring by 1.9 deg/s: people twist by 1.4 to 3 rad a rad/s."""
 LEAN_GAIN, LEAN_DEAD = 1.0, math.radians(7.0)
 """The same for sideways lean."""
-TURN_MAX = math.radians(15.0)
+TURN_MAX = float(MAX_TURN)
 PATIENCE = 1.6
 """Half strides without a step after which nobody marches any more."""
 

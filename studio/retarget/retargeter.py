@@ -13,7 +13,7 @@ from studio.reference.intent import StateName
 from studio.retarget.easing import Easing
 from studio.retarget.experts import EXPERTS
 from studio.retarget.foothold_planner import FootholdPlanner
-from studio.retarget.mapper import Expert
+from studio.retarget.mapper import Expert, Mapped
 from studio.retarget.section_times import SectionTimes
 from studio.retarget.selector import (
     SELECTOR_CUTOFF_HZ,
@@ -38,7 +38,8 @@ class Retargeted:
     expert: the selector's decision, a state or "unknown"; active: the state acted on. votes: share
     per state; distance: to the nearest training frames, in units of their 99th percentile.
     reference: the kinematic A1. contact_prob: (4,) as the network says. clipped: the temporal
-    clip acted. features: the triplet used, None before the first pose. timings_ms: per section.
+    clip acted. features: the triplet used, None before the first pose. mapped: what the expert
+    said, None where it was not asked. timings_ms: per section.
     """
 
     expert: str
@@ -49,6 +50,7 @@ class Retargeted:
     contact_prob: Array
     clipped: bool
     features: Features | None
+    mapped: Mapped | None = None
     timings_ms: dict[str, float] = field(default_factory=dict)
 
 
@@ -163,7 +165,7 @@ class Retargeter:
         contact_prob = reference.foot_contact
         expert = self._expert_of(self._planner.state)
         with times("mapper"):
-            mapped = None if watch and not expert.remembers else self._expert(triplet)
+            said = mapped = None if watch and not expert.remembers else self._expert(triplet)
         with times("consistency"):
             if mapped is not None and not watch:
                 contact_prob = mapped.contact_prob
@@ -178,6 +180,7 @@ class Retargeter:
             contact_prob=contact_prob,
             clipped=clipped,
             features=self._features,
+            mapped=said,
             timings_ms=times,
         )
 

@@ -1,4 +1,4 @@
-"""What a user tunes while driving: tilt gain, dead zone, speed cap; and how each one acts."""
+"""What a user tunes while driving: tilt gain, dead zone, speeds; and how each one acts."""
 
 import math
 from dataclasses import dataclass, replace
@@ -8,11 +8,13 @@ from numpy.typing import NDArray
 
 from studio.errors import StudioError, unknown_name
 from studio.geometry import scalars
+from studio.reference.stances import JOINT_SPEED
+from studio.reference.standing import FULL_TILT
 from studio.robot import a1, kinematics
 
 Array = NDArray[np.float64]
 
-MAX_TILT = math.radians(40.0)
+MAX_TILT = float(FULL_TILT)
 """The trunk is never tilted further from its neutral than this: the paper's range, and as far as
 standing legs reach. People twist by 100 degrees; mappers then say 48, and feet are torn off."""
 
@@ -21,19 +23,23 @@ LIMITS: dict[str, tuple[float, float]] = {
     "tilt_gain": (0.0, 2.0),
     "dead_zone": (0.0, 0.5),
     "speed_cap": (0.0, 1.5),
+    "joint_speed": (math.radians(60.0), math.radians(480.0)),
 }
-"""Ranges of the operator's sliders: a factor of the tilt, rad of tilt, m/s."""
+"""Ranges of the operator's sliders: a factor of the tilt, rad of tilt, m/s, rad/s."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RetargetSettings:
     """tilt_gain: times the trunk's tilt. dead_zone: rad of tilt that is ignored, so that a person
     who sways does not rock the robot. speed_cap: m/s, walking is slowed to this by shorter strides.
+    joint_speed: rad/s that a standing or sitting reference's joints may reach, its trunk in
+    proportion; a trot has limits of its own (`stances.JOINT_SPEED`).
     """
 
     tilt_gain: float = 1.0
     dead_zone: float = 0.0
     speed_cap: float = float("inf")
+    joint_speed: float = JOINT_SPEED["stand"]
 
     def with_gain(self, name: str, value: float) -> "RetargetSettings":
         """The same but for one slider: errors as `checked_gain`."""
@@ -51,6 +57,17 @@ def checked_gain(name: str, value: float) -> float:
     if not low <= value <= high:
         raise StudioError(f"{name} must be between {low} and {high}, not {value}")
     return float(value)
+
+
+def joint_speed(degrees_a_second: float) -> float:
+    """`--max-joint-speed` in rad/s. StudioError outside its range."""
+    low, high = (round(math.degrees(end)) for end in LIMITS["joint_speed"])
+    if not low <= degrees_a_second <= high:
+        raise StudioError(
+            f"--max-joint-speed must be between {low} and {high} degrees a second, "
+            f"not {degrees_a_second:g}"
+        )
+    return math.radians(degrees_a_second)
 
 
 def shape_tilt(quat: Array, neutral: Array, settings: RetargetSettings) -> Array:

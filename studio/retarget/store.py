@@ -12,16 +12,14 @@ from safetensors.numpy import load_file
 
 from studio.errors import StudioError, unknown_name
 from studio.human.features import FEATURE_DIM
+from studio.options import STYLES
 from studio.paths import package_folder
 from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import Expert, Mapper
 from studio.retarget.selector import Prototypes
 from studio.retarget.semantic import SemanticWalk
-from studio.takes.stored import Name, read_json
+from studio.takes.untrusted import Name, read_json
 
-STYLES: tuple[str, ...] = ("march", "circles", "semantic")
-"""Which human motion means walking: marching in place, circling hands, or marching in place read by
-rule (`semantic`)."""
 STRIDE_GAIN: dict[str, float] = {"march": 1.75, "circles": 1.4}
 """Times the strides of a style's shipped network, an average over people who step unlike. Driven by
 people it has not seen, the simulated robot then goes as fast as they mean (`evaluate styles`)."""

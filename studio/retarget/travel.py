@@ -41,7 +41,7 @@ CATCH_UP_S = 1.0
 """s in which the robot's reference makes up for what it lags behind."""
 FACE_S = 0.35
 """s in which it turns to where the person faces."""
-LEASH = 0.3
+MAX_LAG = 0.3
 """m (of the robot) that it makes up for at most: who runs faster than it can is let go."""
 _FASTEST = 4.0
 """m/s of a person that are believed."""
@@ -170,9 +170,9 @@ class TravelStride:
         aim = self._pos0 + geometry.turn_xy(path.pos - self._from, turned)
         lag = aim - pos
         far = float(np.hypot(*lag))
-        if far > LEASH:
-            self._from = self._from + geometry.turn_xy(lag * (1.0 - LEASH / far), -turned)
-            lag = lag * (LEASH / far)
+        if far > MAX_LAG:
+            self._from = self._from + geometry.turn_xy(lag * (1.0 - MAX_LAG / far), -turned)
+            lag = lag * (MAX_LAG / far)
         velocity = geometry.turn_xy(geometry.turn_xy(path.vel, turned) + lag / CATCH_UP_S, -yaw)
         off = geometry.wrap_angle(path.heading + turned - yaw)
         turn = min(max(path.turn + float(off) / FACE_S, -MAX_SPIN), MAX_SPIN)

@@ -14,9 +14,10 @@ from studio.errors import StudioError
 from studio.reference.intent import StateName
 from studio.reference.motion import ReferenceMotion, backward_difference
 from studio.reference.tasks_travel import TRAVEL
-from studio.rl.crossing import crossing, crossing_names, rests_on_legs
 from studio.rl.curriculum import DIFFICULTIES, Stage
+from studio.rl.transitions import rests_on_legs, transition_motion, transition_names
 from studio.robot import kinematics
+from studio.timing import CONTROL_HZ
 
 log = logging.getLogger(__name__)
 Array = NDArray[np.float64]
@@ -155,20 +156,20 @@ def build_bank(
     seed: int = 0,
     difficulties: Sequence[float] = DIFFICULTIES,
     time_warp: float = 0.15,
-    crossings: int = 0,
+    transitions: int = 0,
     travels: int = 0,
 ) -> MotionBank:
     """`per_task` motions of every task of a state at each difficulty, time-warped by ± a share.
 
-    crossings: as many motions out of each other state, at each difficulty. travels: as many
+    transitions: as many motions out of each other state, at each difficulty. travels: as many
     through space (`reference.tasks_travel`). Deterministic in its arguments.
     """
     names = task_names(state)
-    ways = crossing_names(state) if crossings else ()
-    counts = dict.fromkeys(names, per_task) | dict.fromkeys(ways, crossings)
+    ways = transition_names(state) if transitions else ()
+    counts = dict.fromkeys(names, per_task) | dict.fromkeys(ways, transitions)
     if travels:
         counts[TRAVEL.name] = travels
-    frames = round(seconds * 30.0) + 1
+    frames = round(seconds * CONTROL_HZ) + 1
     motions, hardness = [], []
     for index, (name, count) in enumerate(counts.items()):
         for level in difficulties:
@@ -179,7 +180,7 @@ def build_bank(
                 motions.append(warp(_motion(name, state, rng, length, level), rate, frames))
                 hardness.append(level)
     bank = assemble(state, tuple(counts), motions, hardness)
-    if crossings:
+    if transitions:
         bank = replace(bank, leg_contact=rests_on_legs(state))
     log.info("bank %s: %d motions of %d frames", state, len(bank), frames)
     return bank
@@ -188,7 +189,7 @@ def build_bank(
 def _motion(
     name: str, state: StateName, rng: np.random.Generator, seconds: float, difficulty: float
 ) -> ReferenceMotion:
-    """One motion of a library task, or of a crossing into the state."""
+    """One motion of a library task, or of a transition into the state."""
     from studio.reference.library import TASKS
     from studio.reference.realize import realize
 
@@ -197,7 +198,7 @@ def _motion(
     if name in TASKS:
         return realize(TASKS[name].sample(rng, seconds, difficulty=difficulty))
     source = cast(StateName, name.removeprefix("from_"))
-    return crossing(source, state, rng, seconds, difficulty)
+    return transition_motion(source, state, rng, seconds, difficulty)
 
 
 def relevelled(bank: MotionBank, state: StateName) -> MotionBank:

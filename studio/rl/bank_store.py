@@ -15,8 +15,8 @@ from studio.reference.intent import StateName
 from studio.rl.bank import MotionBank, build_bank, task_names
 
 DRAWN_BY = (
-    "geometry", "reference", "robot", "rl/bank", "rl/crossing", "control/controller",
-    "control/transition",
+    "geometry", "rhythm", "timing", "reference", "robot", "control", "rl/bank", "rl/transitions",
+    "rl/curriculum",
 )  # fmt: skip
 """The code that a bank's motions depend on."""
 
@@ -28,8 +28,8 @@ def kept(folder: Path | None, name: str, key: Any, draw: Callable[[], MotionBank
     """
     if folder is None:
         return draw()
-    told = hashlib.sha256(json.dumps(key).encode()).hexdigest()[:16]
-    file = folder / f"{name}-{told}.npz"
+    digest = hashlib.sha256(json.dumps(key).encode()).hexdigest()[:16]
+    file = folder / f"{name}-{digest}.npz"
     if file.exists():
         return _read(file)
     bank = draw()

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from studio.control.action import clip_action, pd_target
 from studio.control.observation import History
 from studio.control.observation_frame import sensor_frame
-from studio.control.odometry import turned
+from studio.geometry import turn_xy
 from studio.reference.stances import NEUTRAL
 from studio.rl.bank import MotionBank
 from studio.rl.curriculum import Curriculum, stages
@@ -190,7 +190,7 @@ class ImitationEnv(TrackingRobots):
             size = self.rng.uniform(0.0, place, len(ids))
             local = size[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
             self.history.place_error[ids] = local
-            self.anchor_pos[ids] += turned(local, self.yaw_of(ids))
+            self.anchor_pos[ids] += turn_xy(local, self.yaw_of(ids))
 
     def _reset_lowpass(self, ids: NDArray[np.intp], value: Array) -> None:
         where = np.zeros(self.num_envs, dtype=bool)
@@ -208,7 +208,7 @@ class ImitationEnv(TrackingRobots):
         if self.config.evaluation:
             return np.zeros(n, dtype=np.intp)
         # Reference-state initialisation: anywhere but the last second. Some begin at the beginning:
-        # a crossing between states is a motion's first two seconds, and seldom met otherwise.
+        # a transition between states is a motion's first two seconds, and seldom met otherwise.
         first = self.rng.random(n) < self.config.init_first
         return np.where(first, 0, self.rng.integers(0, self.bank.frames - 31, n))
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.control.odometry import turned
+from studio.geometry import turn_xy
 from studio.robot import kinematics
 
 Array = NDArray[np.float64]
@@ -80,10 +80,10 @@ def support_point(
     """
     center = kinematics.center_of_mass_b(joint_pos)[:, None]
     center = kinematics.to_world(base_pos, base_quat, center)[:, 0]
-    return turned(kinematics.along_gravity(center, gravity) - base_pos[:, :2], -yaw)
+    return turn_xy(kinematics.along_gravity(center, gravity) - base_pos[:, :2], -yaw)
 
 
-def polygon_distance(
+def outside_support(
     point: Array, vertices: Array, used: NDArray[np.bool_], min_contacts: int = MIN_CONTACTS
 ) -> Array:
     """(N,) m from points (N, 2) to the hull of the used ones of (N, 4, 2), 0 inside.

@@ -163,7 +163,7 @@ class TrackingRobots:
         gravity = self.world_gravity_direction()[ids]
         body = w.base_pos[ids], w.base_quat[ids], w.joint_pos[ids]
         point = reward.support_point(*body, gravity, yaw[ids])
-        out[ids] = reward.polygon_distance(point, feet[ids, :, :2], stands[ids])
+        out[ids] = reward.outside_support(point, feet[ids, :, :2], stands[ids])
         return out
 
     def world_gravity_direction(self) -> Array:

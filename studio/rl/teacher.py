@@ -1,4 +1,4 @@
-"""A tracker that cheats: it sees the clean reference, its future and the legs' loads.
+"""A controller that cheats: it sees the clean reference, its future and the legs' loads.
 
 Its target is the clean reference `lead` periods ahead, which makes up for the low-pass, plus a
 share of the angle by which a PD gives way under the weight:
@@ -35,7 +35,8 @@ def load_torque(joint_pos: Array, base_quat: Array, contact: Array) -> Array:
     """(N, 12) N m that hold the robot's weight, shared evenly by the feet in contact (N, 4)."""
     share = contact / np.maximum(contact.sum(axis=-1, keepdims=True), 1.0)
     up_b = geometry.quat_rotate_inverse(
-        base_quat, np.broadcast_to([0.0, 0.0, a1.TOTAL_MASS * 9.81], base_quat.shape[:-1] + (3,))
+        base_quat,
+        np.broadcast_to([0.0, 0.0, a1.TOTAL_MASS * a1.GRAVITY], base_quat.shape[:-1] + (3,)),
     )
     force = share[..., None] * up_b[:, None, :]
     jacobian = kinematics.leg_jacobian(joint_pos)

@@ -7,6 +7,9 @@ Angles in rad, lengths in m, masses in kg, torque in N m, speed in rad/s.
 
 import numpy as np
 
+from studio.timing import CONTROL_DT as CONTROL_DT
+from studio.timing import CONTROL_HZ as CONTROL_HZ
+
 LEGS: tuple[str, ...] = ("FR", "FL", "RR", "RL")
 LEG_JOINTS: tuple[str, ...] = ("hip", "thigh", "calf")
 JOINTS: tuple[str, ...] = tuple(f"{leg}_{joint}" for leg in LEGS for joint in LEG_JOINTS)
@@ -16,10 +19,6 @@ MIRROR_LEG = np.array([1, 0, 3, 2])
 MIRROR_JOINT = (3 * MIRROR_LEG[:, None] + np.arange(3)).ravel()
 MIRROR_SIGN = np.tile([-1.0, 1.0, 1.0], 4)
 """(12,) each joint's counterpart, and its sign: hip roll turns over, thigh and calf do not."""
-
-CONTROL_HZ = 30.0
-CONTROL_DT = 1.0 / CONTROL_HZ
-"""One control period, s (the paper: 30 Hz)."""
 
 HIP_OFFSET = np.array(
     [[0.1805, -0.047, 0.0], [0.1805, 0.047, 0.0], [-0.1805, -0.047, 0.0], [-0.1805, 0.047, 0.0]]
@@ -34,6 +33,7 @@ CALF_LENGTH = 0.2
 FOOT_RADIUS = 0.02
 
 TOTAL_MASS = 13.74
+GRAVITY = 9.81
 JOINT_LOWER = np.tile([-0.8028514559173915, -1.0471975511965976, -2.6965336943312392], 4)
 JOINT_UPPER = np.tile([0.8028514559173915, 4.1887902047863905, -0.9162978572970231], 4)
 TORQUE_LIMIT = np.full(12, 33.5)

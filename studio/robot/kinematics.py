@@ -13,9 +13,7 @@ from studio.robot.legs import (
 )
 from studio.robot.support import (
     along_gravity,
-    polygon_distance,
     support_distance,
-    support_polygon,
 )
 
 __all__ = [
@@ -28,9 +26,7 @@ __all__ = [
     "link_capsules",
     "link_frames_b",
     "link_frames_w",
-    "polygon_distance",
     "self_collision_distance",
     "support_distance",
-    "support_polygon",
     "to_world",
 ]

@@ -1,4 +1,4 @@
-"""Feet on the floor to the support polygon, and how far outside it a point lies.
+"""How far outside the polygon of the feet on the floor a point lies.
 
 Points are on the plane of the floor; `along_gravity` brings the centre of mass there.
 """
@@ -14,51 +14,11 @@ _SEGMENTS = np.array(list(combinations(range(4), 2)))
 _TRIANGLES = np.array(list(combinations(range(4), 3)))
 
 
-def support_polygon(points_xy: ArrayLike, contact: ArrayLike) -> Array:
-    """Convex hull (M, 2) m, counter-clockwise, of the points (N, 2) whose contact (N,) > 0.5.
-
-    Fewer than three corners (a segment, a point, nothing) are returned as they are.
-    """
-    points = np.asarray(points_xy, dtype=np.float64)[np.asarray(contact) > 0.5]
-    ordered = sorted(set(map(tuple, points.tolist())))
-    if len(ordered) < 3:
-        return np.array(ordered).reshape(-1, 2)
-
-    def half(sequence: list[tuple[float, ...]]) -> list[tuple[float, ...]]:
-        chain: list[tuple[float, ...]] = []
-        for p in sequence:
-            while len(chain) >= 2 and _turn(chain[-2], chain[-1], p) <= 0.0:
-                chain.pop()
-            chain.append(p)
-        return chain[:-1]
-
-    return np.array(half(ordered) + half(ordered[::-1]))
-
-
-def _turn(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> float:
-    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-
-def polygon_distance(point_xy: ArrayLike, polygon: ArrayLike) -> Array:
-    """Distance (...) m from points (..., 2) to a convex polygon (M, 2): 0 inside, inf if empty."""
-    point, polygon = np.asarray(point_xy, dtype=np.float64), np.asarray(polygon, dtype=np.float64)
-    if len(polygon) == 0:
-        return np.full(point.shape[:-1], np.inf)
-    following = np.roll(polygon, -1, axis=0)
-    gap = _segment_gap(point[..., None, :], polygon, following)
-    nearest = np.min(gap, axis=-1)
-    if len(polygon) < 3:
-        return nearest
-    edge, to_point = following - polygon, point[..., None, :] - polygon
-    inside = np.all(edge[:, 0] * to_point[..., 1] - edge[:, 1] * to_point[..., 0] >= 0.0, axis=-1)
-    return np.where(inside, 0.0, nearest)
-
-
 def support_distance(point_xy: ArrayLike, foot_xy: ArrayLike, contact: ArrayLike) -> Array:
     """Distance (...) m from points (..., 2) to the hull of feet (..., 4, 2) in contact (..., 4).
 
-    The same as polygon_distance(support_polygon(...)), vectorised over the batch: the hull of four
-    points is the union of their triangles, and from outside the nearest point is on a segment.
+    The hull of four points is the union of their triangles, and from outside the nearest point is
+    on a segment: so no hull is made, and the whole batch goes at once.
     Infinite where no foot is in contact.
     """
     point = np.asarray(point_xy, dtype=np.float64)[..., None, :]

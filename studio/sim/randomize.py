@@ -121,7 +121,7 @@ def _around(
     return rng.uniform(low, high, shape)
 
 
-def gravity(slope_axis: Array, g: float = 9.81) -> Array:
+def gravity(slope_axis: Array, g: float = a1.GRAVITY) -> Array:
     """(N, 3) m/s^2, gravity in the frame of the ground, for slopes as rotation vectors (N, 2) rad.
 
     A plane tilted by R is the same world as a level plane under gravity R^T g.

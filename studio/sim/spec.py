@@ -23,7 +23,7 @@ from studio.robot import a1
 from studio.robot.collision import CAPSULES, PAIRS
 
 Prop = Callable[[mujoco.MjSpec], None]
-"""Adds bodies to the world before it is compiled (see `sim.props`)."""
+"""Adds bodies to the world before it is compiled."""
 
 WORLD_BIT, ROBOT_BIT = 1, 2
 """Contact bits. Props: contype WORLD_BIT, conaffinity WORLD_BIT | ROBOT_BIT."""

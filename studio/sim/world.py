@@ -125,7 +125,7 @@ class World:
             base_pos = geometry.quat_rotate(self._ground, base_pos)
             quat = geometry.quat_mul(self._ground, quat)
         self.data.qpos[:3], self.data.qpos[3:7], self.data.qpos[7:19] = base_pos, quat, joint_pos
-        self._told = self.data.ctrl[:12] = joint_pos
+        self._target = self.data.ctrl[:12] = joint_pos
         mujoco.mj_forward(self.model, self.data)
         self.state = self._read(np.zeros(12))
         return self.state
@@ -142,12 +142,12 @@ class World:
             raise StudioError("a target must be 12 finite joint angles in rad (a1.JOINTS)")
         target = np.minimum(np.maximum(target, a1.JOINT_LOWER), a1.JOINT_UPPER)
         model, data = self.model, self.data
-        late, self._told = self._told, target
+        late, self._target = self._target, target
         speed, torque = data.qvel[6:18], data.actuator_force
         peak, peak_size = np.zeros(12), np.zeros(12)
         knee = self.config.free_speed - a1.TORQUE_LIMIT[0] / self.config.speed_slope
         for k in range(self.substeps):
-            target = self._told if self._delay == 0.0 else self._after_delay(late, k)
+            target = self._target if self._delay == 0.0 else self._after_delay(late, k)
             data.ctrl[:12] = target
             if max(speed.max(), -speed.min()) > knee:
                 data.ctrl[:12] = self._within_motor_curve(target)
@@ -161,10 +161,10 @@ class World:
         return self.state
 
     def _after_delay(self, late: Array, substep: int) -> Array:
-        """What the motors are told in a substep of a target that comes `_delay` s late."""
+        """The motors' target in a substep of one that comes `_delay` s late."""
         dt = self.config.model.timestep
         share = min(max(((substep + 1) * dt - self._delay) / dt, 0.0), 1.0)
-        return (1.0 - share) * late + share * self._told
+        return (1.0 - share) * late + share * self._target
 
     def _within_motor_curve(self, target: Array) -> Array:
         """Targets whose torque stays under the motor's torque-speed curve at the present speed.
@@ -184,7 +184,7 @@ class World:
         target = np.minimum(target, q + (upper + rest) / kp)
         return np.maximum(target, q + (lower + rest) / kp)
 
-    def carry(self, base_xy: ArrayLike, yaw: float) -> RobotState:
+    def move_base(self, base_xy: ArrayLike, yaw: float) -> RobotState:
         """Its state, moved to base_xy (2,) m and heading yaw rad as it moves; props stay."""
         data = self.data
         by = float(geometry.wrap_angle(yaw - geometry.heading(data.qpos[3:7])))

@@ -3,12 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.geometry.time_scaling import smoothstep
 from studio.synthetic import signals as sig
 from studio.synthetic.acting_arms import act_arms
-from studio.synthetic.carriage import SIGN, Posture
+from studio.synthetic.forward_kinematics import SIGN, Posture
 from studio.synthetic.habits import Habits
 from studio.synthetic.person import Person
-from studio.synthetic.signals import leg_phase, smoothstep
+from studio.synthetic.signals import leg_phase
 
 Array = NDArray[np.float64]
 
@@ -29,9 +30,9 @@ def act(
     """Posture of T frames of signal `s` (T, NUM), and (T, 2) how idle each arm is (right, left).
 
     tempo: (T,) strides per second of the march as a whole. walk, pace: (T,) in [0, 1], how much
-    of a marcher's steps, and of a marcher's carriage, has been taken up. circles: (T,) in [0, 1],
+    of a marcher's steps, and of a marcher's posture, has been taken up. circles: (T,) in [0, 1],
     how much walking is circling the hands instead of lifting the feet. The others are those of
-    `idle.Sway` and `idle.Fidgets`.
+    `idle.Sway` and `idle.IdleGestures`.
     """
     h = person.habits
     sit = s[:, sig.SIT]

@@ -3,11 +3,12 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.geometry.time_scaling import smoothstep
 from studio.synthetic import signals as sig
-from studio.synthetic.carriage import SIGN
+from studio.synthetic.forward_kinematics import SIGN
 from studio.synthetic.habits import SQUAT_ARMS
 from studio.synthetic.person import Person
-from studio.synthetic.signals import leg_phase, smoothstep
+from studio.synthetic.signals import leg_phase
 
 Array = NDArray[np.float64]
 
@@ -29,7 +30,7 @@ def act_arms(
     active = smoothstep(reach / 0.25)
     idle_weight = gesture_weight * (1.0 - active)
     rest = h.hang + arm_sway
-    if h.squat_arms != "hang" and np.isfinite(h.fidget_gap_s):
+    if h.squat_arms != "hang" and np.isfinite(h.idle_gesture_gap_s):
         weight = sit[:, None] * (1.0 - active)
         rest = rest + weight[..., None] * (SQUAT_ARMS[h.squat_arms] - rest)
         squat_idle = weight

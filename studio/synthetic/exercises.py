@@ -7,6 +7,7 @@ squat several times faster, and a selector or mapper must have seen it.
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.geometry.time_scaling import smoothstep
 from studio.human.skeleton import INDEX
 from studio.reference.intent import IntentTrack
 from studio.reference.tracks import frames_in, make_track
@@ -35,7 +36,7 @@ def exercise(rng: np.random.Generator, seconds: float) -> IntentTrack:
         n = stop - start
         turn = 2.0 * np.pi * np.arange(n) * DT / period
         # Fades in and out within half a repetition.
-        edge = sig.smoothstep(2.0 * np.minimum(turn, turn[-1] - turn) / (2.0 * np.pi))
+        edge = smoothstep(2.0 * np.minimum(turn, turn[-1] - turn) / (2.0 * np.pi))
         size = rng.uniform(0.5, 1.0) * min(1.0, period / 1.2)
         wave, once = np.sin(turn) * edge * size, 0.5 * (1.0 - np.cos(turn)) * size
         span = slice(start, stop)
@@ -73,7 +74,7 @@ def squats(rng: np.random.Generator, seconds: float) -> Array:
         stop = min(frame + round(rng.uniform(0.8, 4.0) / DT), length)
         n = stop - frame
         u = np.arange(n) / max(n - 1, 1)
-        pulse = sig.smoothstep(4.0 * np.minimum(u, 1.0 - u))
+        pulse = smoothstep(4.0 * np.minimum(u, 1.0 - u))
         signal[frame:stop, sig.SIT] = down
         if rng.random() < 0.4:
             limit = np.radians([7.0, 14.0, 3.0] if down else [15.0, 25.0, 20.0])

@@ -93,7 +93,7 @@ class Habits:
     circle_arm: Array = field(default_factory=lambda: np.array([0.6, 0.2, 0.2, 1.3]))
     circle_size: float = 0.45
     # what the intent does not ask for
-    fidget_gap_s: float = 6.0
+    idle_gesture_gap_s: float = 6.0
 
 
 def draw_habits(rng: np.random.Generator) -> Habits:
@@ -162,11 +162,11 @@ def draw_habits(rng: np.random.Generator) -> Habits:
         timing=u(0.0, 0.02),
         circle_arm=np.array([deg(20, 50), deg(5, 20), deg(0, 30), deg(60, 95)]),
         circle_size=deg(14, 32),
-        fidget_gap_s=u(3.0, 15.0),
+        idle_gesture_gap_s=u(3.0, 15.0),
     )
 
 
-def other_ways(rng: np.random.Generator, habits: Habits) -> Habits:
+def held_out_habits(rng: np.random.Generator, habits: Habits) -> Habits:
     """The held-out family: other speed profiles, step waveforms, squats and arm paths."""
 
     def u(low: float, high: float) -> float:

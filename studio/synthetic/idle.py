@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.synthetic.drift import Drift, Fir, bell
+from studio.synthetic.filters import BandLimitedNoise, Fir, movement_kernel
 from studio.synthetic.person import Person
 from studio.synthetic.signals import DT
 
@@ -57,12 +57,12 @@ _SHARES /= _SHARES.sum()
 _SETTLE_S = 0.8
 
 
-class Fidgets:
+class IdleGestures:
     """Gestures at random times: pose (T, 2, 4) and weight (T, 2), the same however time is cut."""
 
     def __init__(self, person: Person, rng: np.random.Generator) -> None:
-        self._rng, self._gap = rng, person.habits.fidget_gap_s
-        self._smooth = Fir(bell(_SETTLE_S, DT, person.habits.profile))
+        self._rng, self._gap = rng, person.habits.idle_gesture_gap_s
+        self._smooth = Fir(movement_kernel(_SETTLE_S, DT, person.habits.profile))
         self._frame = 0
         self._pose, self._wave = np.zeros((2, 4)), np.zeros((2, 4))
         self._hz, self._weight, self._origin = 0.0, np.zeros(2), 0
@@ -123,11 +123,11 @@ class Sway:
     def __init__(self, person: Person, rng: np.random.Generator) -> None:
         body, arms, beat, quick = rng.spawn(4)
         trunk, limbs = quick.spawn(2)
-        self._body = Drift(body, (len(self.SIZE),), 0.7, DT)
-        self._arms = Drift(arms, (2, 4), 0.5, DT)
-        self._beat = Drift(beat, (1,), 1.0, DT)
-        self._quick = Drift(trunk, (len(self.SIZE),), 0.13, DT)
-        self._quick_arms = Drift(limbs, (2, 4), 0.13, DT)
+        self._body = BandLimitedNoise(body, (len(self.SIZE),), 0.7, DT)
+        self._arms = BandLimitedNoise(arms, (2, 4), 0.5, DT)
+        self._beat = BandLimitedNoise(beat, (1,), 1.0, DT)
+        self._quick = BandLimitedNoise(trunk, (len(self.SIZE),), 0.13, DT)
+        self._quick_arms = BandLimitedNoise(limbs, (2, 4), 0.13, DT)
         self._size, self._lively = person.habits.sway, person.habits.lively
 
     def __call__(self, steps: int) -> tuple[Array, Array, Array]:

@@ -51,12 +51,17 @@ class Impaired(Source):
 
     def __init__(self, source: Source, impairment: Impairment, seed: int = 0) -> None:
         self.name, self.starts_live = source.name, source.starts_live
-        self.duration = source.duration
+        self.duration, self.tours, self.take = source.duration, source.tours, source.take
         self._source, self._how = source, impairment
         self._rng = np.random.default_rng([seed, 7])
         self._underway: deque[tuple[float, HumanPose]] = deque()
         self._gap_until, self._glitch_left = -1.0, 0
         self._last_t = 0.0
+
+    @property
+    def label(self) -> str:
+        """As the source's."""
+        return self._source.label
 
     @property
     def report(self) -> SourceReport:
@@ -86,6 +91,10 @@ class Impaired(Source):
     def set_style(self, style: str) -> None:
         """As the source's."""
         self._source.set_style(style)
+
+    def stand_in(self, *, seed: int, style: str) -> Source | None:
+        """As the source's."""
+        return self._source.stand_in(seed=seed, style=style)
 
     def show(self, intent: Intent) -> None:
         """As the source's."""

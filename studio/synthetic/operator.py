@@ -53,6 +53,10 @@ class _Performed(Source):
         self.performer.set_style(style)
         self.person = self.performer.person
 
+    def stand_in(self, *, seed: int, style: str) -> Source | None:
+        """Another synthetic person, who looks at what is shown."""
+        return FollowingOperator(seed=seed, style=style)
+
     def calibration_poses(self) -> list[HumanPose]:
         """Two seconds of the same person standing quietly, as a careful user would begin."""
         quiet = np.zeros((60, sig.NUM))
@@ -81,11 +85,17 @@ class OperatorSource(_Performed):
         person_rng, acting, self._script_rng = np.random.default_rng(seed).spawn(3)
         person = Person.sample(person_rng, sensor=sensor, style=style).still()
         super().__init__("operator" if task is None else f"operator:{task}", person, acting)
+        self.tours = task is None
         self._more = self._touring() if task is None else self._repeating(task)
         self._script = np.zeros((0, sig.NUM))
         self._block: list[HumanPose] = []
         self._first = 0
         self._before = (self.performer, np.zeros((0, sig.NUM)))
+
+    @property
+    def label(self) -> str:
+        """ "operator tour", or the task."""
+        return "operator tour" if self.tours else super().label
 
     def read(self, t: float) -> HumanPose | None:
         """The newest pose with time <= t (s) that was not given before."""
@@ -155,6 +165,11 @@ class InteractiveOperator(_Performed):
         self._signal = np.zeros(sig.NUM)
         self._speed = np.zeros(sig.NUM)
 
+    @property
+    def label(self) -> str:
+        """Keys are what drives it as a rule."""
+        return "keyboard"
+
     def set_intent(self, intent: Intent) -> None:
         """From now on this is meant; the latest wins. Its phase is ignored: cadence drives it."""
         with self._lock:
@@ -199,6 +214,10 @@ class FollowingOperator(_Performed):
         person = Person.sample(person_rng, sensor="mocap", style=style).still()
         super().__init__("operator:follow", person, acting)
         self._row: Array | None = None
+
+    def stand_in(self, *, seed: int, style: str) -> Source | None:
+        """Nobody: this one acts."""
+        return None
 
     def show(self, intent: Intent) -> None:
         """What the person sees meant in this control period."""

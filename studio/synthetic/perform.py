@@ -11,16 +11,16 @@ from studio.human.pose import HumanClip, HumanPose
 from studio.reference.intent import Intent, IntentTrack
 from studio.synthetic import signals as sig
 from studio.synthetic.acting import act, marching
-from studio.synthetic.carriage import joints
-from studio.synthetic.drift import Fir, Tempo, bell
-from studio.synthetic.idle import Fidgets, Sway
+from studio.synthetic.filters import Fir, MeanCadence, movement_kernel
+from studio.synthetic.forward_kinematics import joints
+from studio.synthetic.idle import IdleGestures, Sway
 from studio.synthetic.person import Person
 from studio.synthetic.sensor import SensorState
 from studio.synthetic.signals import DT
 
 Array = NDArray[np.float64]
 _SETTLE_S = 0.27  # s in which a foot in the air is put down when a march stops
-_CARRIAGE_S = 0.7  # s in which the arms and the trunk take up a marcher's carriage
+_POSTURE_S = 0.7  # s in which the arms and the trunk take up a marcher's posture
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,16 +56,16 @@ class Performer:
     def reset(self) -> None:
         """Start over in whatever the next intent asks for, with other chance movements."""
         person, h = self.person, self.person.habits
-        sway, fidgets, sensor = self._rng.spawn(3)
-        self._sway, self._fidgets = Sway(person, sway), Fidgets(person, fidgets)
+        sway, gestures, sensor = self._rng.spawn(3)
+        self._sway, self._gestures = Sway(person, sway), IdleGestures(person, gestures)
         self._sensor = SensorState(person.sensor, sensor)
         wait = np.zeros(round(person.reaction_delay / DT))
         self._follow = Fir(person.follow_kernel())
-        self._change = Fir(np.concatenate([wait, bell(h.change_s, DT, h.profile)]))
-        self._tempo = Tempo()
-        self._settle = Fir(bell(_SETTLE_S, DT, h.profile))
-        self._carriage = Fir(bell(_CARRIAGE_S, DT, h.profile))
-        self._circles = Fir(bell(_CARRIAGE_S, DT, h.profile))
+        self._change = Fir(np.concatenate([wait, movement_kernel(h.change_s, DT, h.profile)]))
+        self._tempo = MeanCadence()
+        self._settle = Fir(movement_kernel(_SETTLE_S, DT, h.profile))
+        self._posture = Fir(movement_kernel(_POSTURE_S, DT, h.profile))
+        self._circles = Fir(movement_kernel(_POSTURE_S, DT, h.profile))
         self._last_phase: float | None = None
         self._strides = 0.0
         self.pace = np.zeros(0)  # of the frames last performed, see Performance
@@ -86,11 +86,11 @@ class Performer:
         s = self._follow(s)
         s[:, [sig.WALK, sig.SIT]] = states
         tempo = self._tempo(s[:, sig.CADENCE])
-        legs, pace = self._settle(marching(s)), self._carriage(marching(s))
+        legs, pace = self._settle(marching(s)), self._posture(marching(s))
         self.pace = pace
         circles = self._circles(np.full(steps, float(self.person.style == "circles")))
         posture, idle = act(
-            self.person, s, tempo, legs, pace, circles, *self._sway(steps), *self._fidgets(steps)
+            self.person, s, tempo, legs, pace, circles, *self._sway(steps), *self._gestures(steps)
         )
         true = joints(self.person.body, posture)
         true = geometry.quat_rotate(scalars.yaw(self.person.habits.facing), true)

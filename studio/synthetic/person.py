@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from studio.errors import unknown_name
 from studio.synthetic.body import Body
-from studio.synthetic.drift import bell
-from studio.synthetic.habits import Habits, draw_habits, other_ways
+from studio.synthetic.filters import movement_kernel
+from studio.synthetic.habits import Habits, draw_habits, held_out_habits
 from studio.synthetic.sensor import SENSORS, Sensor
 from studio.synthetic.signals import DT
 
@@ -36,7 +36,7 @@ class Person:
         """The reaction as a FIR kernel (K,) at 30 Hz: a pure delay, then the follow-up movement."""
         h = self.habits
         wait = np.zeros(round(self.reaction_delay / DT))
-        return np.concatenate([wait, bell(h.follow_s, DT, h.profile)])
+        return np.concatenate([wait, movement_kernel(h.follow_s, DT, h.profile)])
 
     @property
     def delay_s(self) -> float:
@@ -45,8 +45,8 @@ class Person:
         return float(np.arange(len(kernel)) @ kernel) * DT
 
     def still(self) -> "Person":
-        """The same person without fidgets, as a mapper's pairs want them."""
-        return replace(self, habits=replace(self.habits, fidget_gap_s=float("inf")))
+        """The same person without idle gestures, as a mapper's pairs want them."""
+        return replace(self, habits=replace(self.habits, idle_gesture_gap_s=float("inf")))
 
     @staticmethod
     def sample(
@@ -66,7 +66,7 @@ class Person:
         kind = sensor or str(rng.choice(list(SENSORS), p=[0.4, 0.25, 0.35]))
         habits = draw_habits(rng)
         if family == "held_out":
-            habits = other_ways(rng, habits)
+            habits = held_out_habits(rng, habits)
         return Person(
             body=body,
             habits=habits,

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studio.errors import unknown_name
 from studio.human.skeleton import INDEX, NUM_JOINTS
-from studio.synthetic.drift import Drift
+from studio.synthetic.filters import BandLimitedNoise
 from studio.synthetic.signals import DT
 
 Array = NDArray[np.float64]
@@ -79,8 +79,8 @@ class SensorState:
         self.sensor = sensor
         # Trackers smooth a little themselves: half of the jitter is white, half wanders.
         self._white = fast
-        self._wander = Drift(fast.spawn(1)[0], (NUM_JOINTS, 3), 0.05, DT)
-        self._bias = Drift(slow, (NUM_JOINTS, 3), 0.5, DT)
+        self._wander = BandLimitedNoise(fast.spawn(1)[0], (NUM_JOINTS, 3), 0.05, DT)
+        self._bias = BandLimitedNoise(slow, (NUM_JOINTS, 3), 0.5, DT)
         self._left = np.zeros(len(_LIMBS), dtype=int)  # frames each limb stays lost
         self._held = np.zeros((NUM_JOINTS, 3))
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.reference.intent import Intent, IntentTrack
+from studio.timing import CONTROL_DT
 
 Array = NDArray[np.float64]
 
@@ -19,7 +20,7 @@ WALK, SIT = 12, 13
 PHASE = 14
 NUM = 15
 
-DT = 1.0 / 30.0
+DT = CONTROL_DT
 """s between frames of the person, whatever drives them."""
 
 
@@ -58,9 +59,3 @@ def of_track(track: IntentTrack) -> Array:
 def leg_phase(phase: Array) -> Array:
     """(T, 2) phase of the (right, left) leg in [0, 1); the left foot lifts at 0."""
     return (phase[:, None] + np.array([0.5, 0.0])) % 1.0
-
-
-def smoothstep(x: Array) -> Array:
-    """3x^2 - 2x^3 of x (...) on [0, 1], flat outside."""
-    x = np.clip(x, 0.0, 1.0)
-    return x * x * (3.0 - 2.0 * x)

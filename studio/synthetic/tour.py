@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from studio.geometry.time_scaling import smoothstep
 from studio.reference import gait
 from studio.reference.intent import StateName
 from studio.synthetic import signals as sig
-from studio.synthetic.drift import bell
+from studio.synthetic.filters import movement_kernel
 from studio.synthetic.signals import DT
 
 Array = NDArray[np.float64]
@@ -101,7 +102,7 @@ def _held(beat: Beat) -> Array:
     steps = _frames(beat)
     u = (np.arange(steps) + 1.0) / steps
     ramp = 0.5 * (1.0 - beat.hold)
-    block = sig.smoothstep(np.minimum(u, 1.0 - u) / ramp)[:, None] * _goal(beat)
+    block = smoothstep(np.minimum(u, 1.0 - u) / ramp)[:, None] * _goal(beat)
     block[:, sig.SIT] = beat.state == "sit"
     return block
 
@@ -109,7 +110,7 @@ def _held(beat: Beat) -> Array:
 def _walked(beats: list[Beat]) -> Array:
     """One walk from standing to standing, changing pace on the way; it ends on whole steps."""
     goals = np.concatenate([np.tile(_goal(beat), (_frames(beat), 1)) for beat in beats])
-    kernel = bell(_PACE_S, DT, "minimum_jerk")
+    kernel = movement_kernel(_PACE_S, DT, "minimum_jerk")
     half = len(kernel) // 2
     rest = np.zeros((half, sig.NUM))
 

@@ -41,7 +41,7 @@ def plain(value: Any, digits: int = 5) -> Any:
     return _finite(value) if isinstance(value, float) else value
 
 
-def _said(field: Field, value: Any, digits: int) -> Any:
+def _json_value(field: Field, value: Any, digits: int) -> Any:
     if field.shape is not None:
         return numbers(value, digits)
     if isinstance(value, float):
@@ -59,7 +59,7 @@ def part(
     stream: str, value: HumanPose | RobotPose | Tick, form: str, digits: int = 5
 ) -> dict[str, Any]:
     """The fields of one stream that a form ("json", "trace") holds."""
-    return {f.name: _said(f, getattr(value, f.attr), digits) for f in fields_in(form, stream)}
+    return {f.name: _json_value(f, getattr(value, f.attr), digits) for f in fields_in(form, stream)}
 
 
 def tick_dict(tick: Tick, form: str = "json", digits: int = 5) -> dict[str, Any]:

@@ -27,8 +27,8 @@ from studio.robot.pose import ReferencePose, RobotState
 from studio.takes.record import codec
 from studio.takes.record.meta import TAPE
 from studio.takes.record.tape import TapeScan
-from studio.takes.stored import read_json
 from studio.takes.tick import STREAMS, Field, Tick, fields_in
+from studio.takes.untrusted import read_json
 
 CACHE = ".cache"
 _NAMED = 40

@@ -14,7 +14,7 @@ from studio.errors import StudioError
 from studio.files import write_whole
 from studio.takes.listing import TakeInfo
 from studio.takes.record.meta import META, TAPE
-from studio.takes.stored import read_json
+from studio.takes.untrusted import read_json
 
 INDEX = ".index.json"
 _VERSION = 3

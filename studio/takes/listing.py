@@ -2,12 +2,12 @@
 
 import fcntl
 import logging
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from studio.errors import StudioError
+from studio.files import opened
 from studio.takes.columns import known_problem
 from studio.takes.edit import edits as edit_log
 from studio.takes.edit.edits import EditLog
@@ -16,6 +16,8 @@ from studio.takes.record.meta import TAPE, MetaLost, read_meta
 from studio.takes.take import survey_take
 
 log = logging.getLogger(__name__)
+
+_EMPTY = "it holds no tick that could be read"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +76,7 @@ def _examine(folder: Path) -> TakeInfo:
         meta = {}
     if "ticks" in meta or recording:
         # What is wrong with its tape is known once somebody has looked into it.
-        problem = "" if recording else known_problem(folder)
+        problem = "" if recording else known_problem(folder) or ("" if meta["ticks"] else _EMPTY)
         return _info(
             folder, meta, edits, complete="ticks" in meta and not problem, recording=recording,
             damaged=problem, problems=(problem,) if problem else (),
@@ -83,22 +85,21 @@ def _examine(folder: Path) -> TakeInfo:
     meta = meta | {"ticks": take.ticks, "seconds": take.seconds}
     return _info(
         folder, meta, edits, complete=take.complete, recovered=not take.complete,
-        damaged="" if take.ticks else "it holds no tick that could be read", problems=take.problems,
+        damaged="" if take.ticks else _EMPTY, problems=take.problems,
     )  # fmt: skip
 
 
 def is_recording(folder: Path) -> bool:
     """Whether a living process holds the tape (the lock dies with it)."""
     try:
-        handle = os.open(folder / TAPE, os.O_RDONLY)
+        file = opened(folder / TAPE)
     except OSError:
         return False
-    try:
-        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
-    except OSError:
-        return True
-    finally:
-        os.close(handle)
+    with file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        except OSError:
+            return True
     return False
 
 

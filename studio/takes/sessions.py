@@ -14,7 +14,7 @@ import msgspec
 from studio.errors import StudioError
 from studio.files import write_whole
 from studio.takes.names import check_name, slug
-from studio.takes.stored import read_json
+from studio.takes.untrusted import read_json
 
 FOLDER = ".sessions"
 

@@ -183,7 +183,12 @@ def _troubles(found: TapeScan, meta: dict[str, Any], count: int) -> list[str]:
 
 def iter_ticks(path: Path, found: TapeScan | None = None) -> Iterator[Tick]:
     """The whole ticks of a take's folder, one at a time, in bounded memory; then look at found."""
-    for tick, _ in codec.read_ticks(Path(path) / TAPE, found or TapeScan()):
+    yield from iter_tape(Path(path) / TAPE, found)
+
+
+def iter_tape(tape: Path, found: TapeScan | None = None) -> Iterator[Tick]:
+    """The same of a tape, whatever it is called."""
+    for tick, _ in codec.read_ticks(tape, found or TapeScan()):
         yield tick
 
 

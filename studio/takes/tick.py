@@ -1,8 +1,8 @@
 """Tick: everything known about one control period; seen, saved and scored are the same value.
 
 FIELDS is the one table of what a tick consists of, read off the annotations. The tape, the table of
-columns, JSON, traces and exports derive from it: a field added to Tick, ReferencePose or RobotState
-(with a default, so that older takes can be read) is in each of them, unless LEFT_OUT names it.
+columns, JSON, traces, npz and mcap derive from it: a field added to Tick, ReferencePose or
+RobotState (with a default, so that older takes can be read) is in each, unless LEFT_OUT names it.
 """
 
 from dataclasses import MISSING, dataclass, field, fields
@@ -16,7 +16,7 @@ from studio.human.skeleton import NUM_JOINTS
 from studio.reference.intent import STATES
 from studio.robot import a1, kinematics
 from studio.robot.pose import PerJoint, ReferencePose, RobotPose, RobotState
-from studio.takes.stored import Count, Line, Name, Seconds
+from studio.takes.untrusted import Count, Line, Name, Seconds
 
 
 @dataclass(frozen=True, kw_only=True)

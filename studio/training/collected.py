@@ -78,7 +78,7 @@ class TakesTraining:
 def run_train_takes(config: TakesTraining) -> dict[str, Any]:
     """Train what `config` names and write it; the sidecar as written."""
     began = time.perf_counter()
-    say = _teller(config.progress)
+    say = _event_writer(config.progress)
     try:
         return _train(config, say, began)
     except StudioError as error:
@@ -224,7 +224,7 @@ def write_mapper(
         raise StudioError(f"mapper {out.name} was not kept: {error.strerror}") from error
 
 
-def _teller(file: Path | None) -> Say:
+def _event_writer(file: Path | None) -> Say:
     """Appends events to the progress file, each with the seconds since the start."""
     began = time.perf_counter()
     if file is None:

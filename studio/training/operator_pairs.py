@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
+from studio.geometry.time_scaling import smoothstep
 from studio.human.calibration import Calibration, calibrate
 from studio.human.features import clip_features, mirror_features
 from studio.human.pose import HumanClip
-from studio.reference.contact import smoothstep
 from studio.reference.intent import IntentTrack, StateName
 from studio.reference.labels import label_motion, mirror_labels
 from studio.reference.library import TASKS
@@ -24,6 +24,7 @@ from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES
 from studio.synthetic import Person, exercise, play
 from studio.synthetic import signals as sig
+from studio.timing import CONTROL_HZ
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
@@ -109,11 +110,11 @@ def performances(
         if state == "stand" and np.any(track.reach > 0.3) and rng.random() < 0.35:
             track, robot, one_sided = *both_arms(track, rng), True
         pairs = pair_up(track, realize(robot), person, rng)
-        done += len(pairs) / 30.0
+        done += len(pairs) / CONTROL_HZ
         yield pairs
         if not one_sided and rng.random() < 0.5:
             yield mirrored(pairs)
-            done += len(pairs) / 30.0
+            done += len(pairs) / CONTROL_HZ
 
 
 def both_arms(track: IntentTrack, rng: np.random.Generator) -> tuple[IntentTrack, IntentTrack]:
@@ -149,7 +150,7 @@ def pair_up(
     at = _time_warp(n, rng)
     seen = HumanClip(
         name=clip.name,
-        t=np.arange(len(at)) / 30.0,
+        t=np.arange(len(at)) / CONTROL_HZ,
         joint_pos_w=_sample(clip.joint_pos_w[shift:], at),
         confidence=np.minimum(
             clip.confidence[shift:][np.floor(at).astype(int)],
@@ -183,7 +184,7 @@ def mirrored(pairs: PairSet) -> PairSet:
 
 def _time_warp(n: int, rng: np.random.Generator, most: float = 0.15) -> Array:
     """(M,) positions in [0, n - 1] at which to sample n frames: speeds within 1 ± most."""
-    period = rng.uniform(2.0, 5.0) * 30.0
+    period = rng.uniform(2.0, 5.0) * CONTROL_HZ
     steps = 1.0 + rng.uniform(0.0, most) * np.sin(
         2.0 * np.pi * (np.arange(2 * n) / period + rng.random())
     )

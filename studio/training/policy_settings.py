@@ -45,7 +45,7 @@ class PolicyTraining:
 
     curriculum, randomise, yaw_rate, action, future: what the ablations switch; future: give the
     policy its true reference 0.1, 0.2 and 0.3 s ahead. gate, patience: see Curriculum.
-    crossings: motions out of each other state a difficulty, 0 for none. people: whose motions,
+    transitions: motions out of each other state a difficulty, 0 for none. people: whose motions,
     as the mapper retargets them, join the library's for walking and sitting. push: m/s, the largest
     kick (EnvConfig). clean: share of the episodes whose reference has no noise.
 
@@ -77,7 +77,7 @@ class PolicyTraining:
     yaw_rate: bool = True
     action: ActionMode = "residual"
     future: bool = False
-    crossings: int = 24
+    transitions: int = 24
     people: int = 12
     motions_per_task: int = 40
     gate: float = 0.75
@@ -144,7 +144,7 @@ def make_bank(config: PolicyTraining, cache: Path | None = BANKS) -> MotionBank:
             state,
             per_task=config.motions_per_task,
             seed=config.seed,
-            crossings=config.crossings,
+            transitions=config.transitions,
             travels=config.made_by.travels * config.motions_per_task,
         )
         for state in states
@@ -184,9 +184,9 @@ def make_environment(
         noise=noise,
         anchor_tau=recipe.anchor_tau,
         anchor_yaw_tau=recipe.anchor_yaw_tau,
-        init_first=0.3 if config.crossings else 0.0,
-        init_speed=0.6 * recipe.unrest if config.crossings else 0.0,
-        init_spin=1.0 * recipe.unrest if config.crossings else 0.0,
+        init_first=0.3 if config.transitions else 0.0,
+        init_speed=0.6 * recipe.unrest if config.transitions else 0.0,
+        init_spin=1.0 * recipe.unrest if config.transitions else 0.0,
         init_heading=recipe.init_heading if observation.heading_gain else 0.0,
         init_place=0.2 if observation.place_gain else 0.0,
         push=config.push,

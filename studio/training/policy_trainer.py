@@ -1,6 +1,6 @@
 """One training run of a policy: environment, PPO, what was taught; one iteration, and to a file.
 
-Settings are `policy_settings`; how long it goes on and what is written when, `policy`.
+Settings are `policy_settings`; how long it goes on and what is written when, `train_policy`.
 """
 
 import time

@@ -13,6 +13,7 @@ from tensordict import TensorDict
 from studio.control.symmetry import observation_mirror, privileged_mirror
 from studio.rl.env import ImitationEnv
 from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
+from studio.timing import CONTROL_HZ
 from studio.training.device import threads
 from studio.training.parallel import SINGLE_PROCESS, ProcessGroup
 
@@ -190,7 +191,7 @@ class Figures:
         extras: dict[str, Any],
     ) -> None:
         """One step's rewards and ends, each (N,), and what the environment says beside them."""
-        now = {"reward": rewards.mean(), "fall_rate": terminated.mean() * 30.0}
+        now = {"reward": rewards.mean(), "fall_rate": terminated.mean() * CONTROL_HZ}
         now |= {f"term/{k}": v.mean() for k, v in env.terms.items()}
         now |= {f"metric/{k}": v.mean() for k, v in env.metrics.items()}
         for name, value in now.items():

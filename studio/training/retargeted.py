@@ -10,8 +10,6 @@ The robot stands still meanwhile: nothing it does comes back to the person.
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from studio.control.drive_command import PuppeteerConfig
 from studio.control.staleness import stale_command
 from studio.files import fingerprint
@@ -59,9 +57,9 @@ ACTED: dict[str, Acted] = {
 SECONDS = 26.0
 """Of each person: the way into the state, and two motions of ten seconds."""
 TASK = "retargeted"
-ACTED_BY = (
-    "geometry", "human", "robot", "reference", "sim", "synthetic", "retarget", "control",
-    "sources", "puppeteer", "rl/bank", "training/retargeted",
+CODE = (
+    "geometry", "rhythm", "timing", "human", "robot", "reference", "sim", "synthetic", "retarget",
+    "control", "sources", "mocap", "puppeteer", "rl/bank", "training/retargeted",
 )  # fmt: skip
 """The code that decides what mappers make of people: none of the page's, of takes, of training."""
 
@@ -75,23 +73,25 @@ def acted_bank(state: StateName, people: int, seed: int, frames: int = 301) -> M
             for k in range(people):
                 sensor = acted.sensors[k % len(acted.sensors)]
                 person = sent_by(sensor, source, 1000 * seed + k, style)
-                for told in _references(state, person, style, 1000 * seed + k):
-                    cuts = range(0, len(told) - frames + 1, frames)
-                    motions += [_motion(state, told[i : i + frames]) for i in cuts]
+                for poses in _references(state, person, style, 1000 * seed + k):
+                    cuts = range(0, len(poses) - frames + 1, frames)
+                    motions += [
+                        ReferenceMotion.of(state, TASK, poses[i : i + frames]) for i in cuts
+                    ]
     return assemble(state, (TASK,), motions, [1.0] * len(motions))
 
 
 def with_people(bank: MotionBank, people: int, seed: int, cache: Path | None = None) -> MotionBank:
     """A state's bank, and what mappers make of people on top, at full difficulty.
 
-    cache: folder to keep the latter in, a second for each; new code of ACTED_BY or a new
+    cache: folder to keep the latter in, a second for each; new code of CODE or a new
     mapper makes new ones.
     """
     if not people or bank.state not in ACTED:
         return bank
     drawn = bank.state, people, seed, bank.frames
     weights = sorted((MODELS / "mapper").rglob("*.safetensors"))
-    key = [fingerprint(*ACTED_BY, *weights), *drawn]
+    key = [fingerprint(*CODE, *weights), *drawn]
     acted = kept(cache, f"people-{bank.state}", key, lambda: acted_bank(*drawn))
     return merged([bank, acted], bank.state)
 
@@ -113,16 +113,3 @@ def _references(
         elif stretches[-1]:
             stretches.append([])
     return stretches
-
-
-def _motion(state: StateName, told: list[ReferencePose]) -> ReferenceMotion:
-    return ReferenceMotion(
-        state=state,
-        task=TASK,
-        dt=a1.CONTROL_DT,
-        base_pos=np.stack([pose.base_pos for pose in told]),
-        base_quat=np.stack([pose.base_quat for pose in told]),
-        joint_pos=np.stack([pose.joint_pos for pose in told]),
-        foot_contact=np.stack([pose.foot_contact for pose in told]),
-        params={},
-    )

@@ -18,6 +18,7 @@ from studio.reference.library import TASKS
 from studio.retarget.selector import NAMES, SELECTOR_CUTOFF_HZ, TripletFilter
 from studio.synthetic import Performance, Person, exercise, play, squats
 from studio.synthetic import signals as sig
+from studio.timing import CONTROL_DT, CONTROL_HZ
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
@@ -77,7 +78,7 @@ def sequences(
         scanned = rng.random() < 0.7
         known = calibrate([clip[i] for i in range(0, len(clip), 15)]) if scanned else Calibration()
         triplet = np.concatenate(clip_features(clip, known), axis=-1)
-        low_pass = TripletFilter(SELECTOR_CUTOFF_HZ, 1.0 / 30.0)
+        low_pass = TripletFilter(SELECTOR_CUTOFF_HZ, CONTROL_DT)
         filtered = np.stack([low_pass.step(row) for row in triplet])
         label = labels(performance.true_pos_w)
         if style == "circles":
@@ -116,7 +117,7 @@ def _part(kind: str, seconds: float, rng: np.random.Generator) -> Array:
 
 def _both_arms(part: Array, rng: np.random.Generator) -> None:
     """Whatever else is done, the arms go up, out or round together or in turn, as in gymnastics."""
-    t = np.arange(len(part)) / 30.0
+    t = np.arange(len(part)) / CONTROL_HZ
     rate, lag = rng.uniform(0.1, 0.7), rng.choice([0.0, 0.5])
     low, high = np.sort(rng.uniform(0.1, 0.9, 2))
     for arm, sign in enumerate((-1.0, 1.0)):
@@ -179,4 +180,4 @@ def circle_labels(
 def _since(flag: NDArray[np.bool_]) -> Array:
     """(T,) s since the flag was last up; infinite before."""
     last = np.maximum.accumulate(np.where(flag, np.arange(len(flag)), -(10**9)))
-    return (np.arange(len(flag)) - last) / 30.0
+    return (np.arange(len(flag)) - last) / CONTROL_HZ

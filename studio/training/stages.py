@@ -1,6 +1,8 @@
-"""What `train policy` runs, stage by stage: each shipped policy is made by one command.
+"""What `train policy` runs, stage by stage: one command makes a policy of each state.
 
-A stage sets what its run was not told otherwise: settings left at their defaults.
+Standing and sitting ship so; walking ships the mean of two such runs (models/policy/README.md).
+
+A stage sets what its run was not given: settings left at their defaults.
 """
 
 import shutil
@@ -14,7 +16,7 @@ from studio.training.policy_settings import PolicyName, PolicyTraining
 
 TEACHER: dict[PolicyName, dict[str, Any]] = {
     "sit": {
-        "crossings": 48,
+        "transitions": 48,
         "push": 0.2,
         "samples": 4_800_000,
         "ppo": {"gamma": 0.97},
@@ -25,7 +27,7 @@ POLICY: dict[PolicyName, dict[str, Any]] = {
     "stand": {"push": 0.6, "samples": 5_000_000},
     "walk": {"samples": 9_400_000},
     "sit": {
-        "crossings": 48,
+        "transitions": 48,
         "push": 0.2,
         "clean": 0.25,
         "distil": 3_000_000,
@@ -45,30 +47,30 @@ def stages_of(config: PolicyTraining) -> list[PolicyTraining]:
     with `privileged` the teacher's stage alone; with `teacher` the stage that it teaches.
     """
     if config.variant:
-        return [unless_told(config, variants.settings_of(config))]
+        return [with_defaults(config, variants.settings_of(config))]
     alone = config.preset != "default" or config.recipe or config.checkpoint
     if alone or (config.distil is not None and not config.teacher):
         return [config]
     last, teaches = POLICY.get(config.state, {}), TEACHER.get(config.state, {})
     if config.privileged:
-        return [unless_told(config, teaches)]
+        return [with_defaults(config, teaches)]
     if config.teacher or not teaches:
-        return [unless_told(config, last)]
+        return [with_defaults(config, last)]
     run = None if config.run is None else config.run / "teacher"
-    first = unless_told(replace(config, privileged=True, publish=False, run=run), teaches)
+    first = with_defaults(replace(config, privileged=True, publish=False, run=run), teaches)
     # Together: a run with a teacher has to have lessons.
     taught = {"teacher": first.folder / "teacher.safetensors", "distil": last["distil"]}
-    return [first, unless_told(replace(config, **taught), last)]
+    return [first, with_defaults(replace(config, **taught), last)]
 
 
-def unless_told(config: PolicyTraining, changes: Mapping[str, Any]) -> PolicyTraining:
+def with_defaults(config: PolicyTraining, changes: Mapping[str, Any]) -> PolicyTraining:
     """`config` with a stage's changes where it was left at its defaults; "ppo" field by field."""
-    own = {k: v for k, v in changes.items() if k != "ppo" and _untold(config, k)}
-    ppo = {k: v for k, v in changes.get("ppo", {}).items() if _untold(config.ppo, k)}
+    own = {k: v for k, v in changes.items() if k != "ppo" and _at_default(config, k)}
+    ppo = {k: v for k, v in changes.get("ppo", {}).items() if _at_default(config.ppo, k)}
     return replace(config, **own, ppo=replace(config.ppo, **ppo))
 
 
-def _untold(settings: Any, name: str) -> bool:
+def _at_default(settings: Any, name: str) -> bool:
     (default,) = (f.default for f in fields(settings) if f.name == name)
     return getattr(settings, name) == default
 

@@ -18,10 +18,12 @@ from safetensors.numpy import save_file
 
 from studio.errors import StudioError, unknown_name
 from studio.files import whole
+from studio.options import STYLES
 from studio.reference.intent import StateName
 from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import Mapper
-from studio.retarget.store import STYLES, ruled, shared, style_dir
+from studio.retarget.store import ruled, shared, style_dir
+from studio.timing import CONTROL_HZ
 from studio.training.machine import commit
 from studio.training.mapper_fit import MapperTraining, Tick, fit_expert, plain_json, score
 from studio.training.operator_pairs import PairSet, performances
@@ -110,7 +112,7 @@ def make_pairs(
         parts.append(pairs)
         frames += len(pairs)
         if tick:
-            tick(min(int(frames / 30.0), int(seconds)))
+            tick(min(int(frames / CONTROL_HZ), int(seconds)))
     return PairSet.join(parts)
 
 

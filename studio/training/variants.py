@@ -3,7 +3,7 @@
     a1-studio train policy --state walk --variant no_randomisation --publish
 
 puts the weights beside the shipped ones, in models/policy/ablation. All share a plain recipe
-(nothing held, no crossings, no mirror loss, reference noise of 2 to 4 degrees), so that one change
+(nothing held, no transitions, no mirror loss, noise of 2 to 4 degrees), so that one change
 at a time is seen.
 """
 
@@ -43,7 +43,7 @@ def settings_of(config: PolicyTraining) -> dict[str, Any]:
     plain = {
         "samples": BUDGET,
         "run": Path("runs/ablation") / stem(config.state, name),
-        "crossings": 0,
+        "transitions": 0,
         "people": 0,
         "recipe": PLAIN,
         "distil": TAUGHT[config.state],

@@ -16,7 +16,7 @@ from urllib.parse import parse_qs, urlsplit
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from studio.errors import StudioError
-from studio.web.doors import Turns
+from studio.web.client_limits import RequestLimiter
 from studio.web.refusals import (
     SIGN_IN_HEADERS,
     refuse,
@@ -28,6 +28,8 @@ from studio.web.refusals import (
 OPEN_PATHS = frozenset({"/api/health"})
 AT_ONCE = frozenset({"/api/stop"})
 """What never waits for a turn."""
+PAGES = frozenset({"/", "/camera"})
+"""What a person opens, with the token in the query the first time."""
 LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
 EVERYWHERE = frozenset({"0.0.0.0", "::"})
 """What to listen on for every network this machine is in."""
@@ -150,7 +152,7 @@ class AccessMiddleware:
     def __init__(self, app: ASGIApp, config: AccessConfig, sign_in: str = "{why}") -> None:
         """sign_in: a page with a form for the token, and {why} where it says what is wrong."""
         self.app, self.config, self.sign_in = app, config, sign_in
-        self._turns, self._strangers = Turns(), Turns()
+        self._turns, self._strangers = RequestLimiter(), RequestLimiter()
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Check, then pass on; answers get the security headers on their way out."""
@@ -193,7 +195,7 @@ class AccessMiddleware:
 
     def _arrival(self, scope: Scope) -> tuple[int, list[tuple[bytes, bytes]], bytes] | None:
         """`GET /?token=…`: set the cookie and get the token out of the address bar."""
-        if scope["type"] != "http" or scope["path"] != "/" or scope["method"] != "GET":
+        if not _opens_page(scope):
             return None
         token = _asked(scope)
         if len(token) != 1 or not _same(token[0].strip(), self.config.token):
@@ -201,7 +203,7 @@ class AccessMiddleware:
         cookie = f"{self.config.cookie}={self.config.token}; HttpOnly; SameSite=Strict; Path=/"
         if scope.get("scheme") == "https":
             cookie += "; Secure"
-        headers = [(b"location", b"/"), (b"set-cookie", cookie.encode())]
+        headers = [(b"location", scope["path"].encode()), (b"set-cookie", cookie.encode())]
         return 303, [*headers, *security_headers("/")], b""
 
     def _ask(self, scope: Scope) -> tuple[int, list[tuple[bytes, bytes]], bytes]:
@@ -219,7 +221,11 @@ def _asked(scope: Scope) -> list[str]:
 def _is_browser(scope: Scope, headers: dict[str, list[str]]) -> bool:
     """A person who opens the page, rather than a program or a part of the page."""
     wants = any("text/html" in value for value in headers.get("accept", []))
-    return wants and scope["type"] == "http" and scope["path"] == "/" and scope["method"] == "GET"
+    return wants and _opens_page(scope)
+
+
+def _opens_page(scope: Scope) -> bool:
+    return scope["type"] == "http" and scope["method"] == "GET" and scope["path"] in PAGES
 
 
 def page_url(config: AccessConfig) -> str:

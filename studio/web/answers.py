@@ -1,4 +1,4 @@
-"""The studio's state and its ticks as the API answers them: its schema, and so the page's types.
+"""The studio's state as the API answers it: its schema, and so the page's types.
 
 Answers are plain dicts, written out where they are made; nothing here runs when one is given. Each
 type names every key that is sent (a test compares them), so that the schema hides none.
@@ -8,74 +8,18 @@ from typing import Annotated, Any, Literal, NotRequired
 
 from typing_extensions import TypedDict
 
+from studio.control.controllers import CONTROLLERS
 from studio.control.drive_command import Reason
-from studio.control.trackers import CONTROLLERS
 from studio.live.collect_stages import Phase
 from studio.live.command import OneOf
-from studio.live.commands import MODES
-from studio.options import Travel
+from studio.options import STYLES, Travel
 from studio.reference.intent import STATES
 from studio.reference.library import TASKS
-from studio.retarget.store import STYLES
+from studio.web.answers_tick import Mode, Pose
 
-Mode = Annotated[str, OneOf("mode", MODES)]
 Style = Annotated[str, OneOf("style", STYLES)]
 Controller = Annotated[str, OneOf("controller", CONTROLLERS)]
 TaskName = Annotated[str, OneOf("task", TASKS)]
-
-
-class Pose(TypedDict):
-    """A robot: base_pos (3,) m, base_quat (4,) wxyz, joint_pos (12,) rad, foot_contact (4,)."""
-
-    base_pos: list[float]
-    base_quat: list[float]
-    joint_pos: list[float]
-    foot_contact: list[float]
-
-
-class MovingPose(Pose):
-    """Also base_lin_vel_w (3,) m/s."""
-
-    base_lin_vel_w: list[float]
-
-
-class SimulatedPose(MovingPose):
-    """Also foot_pos_w (4, 3) m, and whether the trunk touches the floor."""
-
-    foot_pos_w: list[list[float]]
-    trunk_contact: bool
-
-
-class Human(TypedDict):
-    """A human frame: positions (19, 3) m and confidence (19,) of the skeleton `studio`."""
-
-    t: float
-    skeleton: str
-    positions: list[list[float]]
-    confidence: list[float]
-
-
-class TickMessage(TypedDict):
-    """One control period, as `WS /api/ticks` sends it. target: (12,) rad."""
-
-    index: int
-    t: float
-    mode: Mode
-    state: str
-    transition_to: str | None
-    expert: str
-    votes: dict[str, float]
-    controller: str
-    human: Human | None
-    human_fresh: bool
-    reference: MovingPose
-    robot: SimulatedPose
-    target: list[float]
-    clipped: bool
-    fallen: bool
-    why: str
-    timings_ms: dict[str, float]
-    counters: dict[str, int]
 
 
 class Calibration(TypedDict):
@@ -208,7 +152,7 @@ class State(TypedDict):
     latency_ms: dict[str, float]
     period_error_ms: dict[str, float]
     counters: dict[str, int]
-    robot: Pose
+    robot: Pose  # type: ignore[valid-type]
     controller: Controller
     style: Style
     gains: dict[str, float]
@@ -239,6 +183,33 @@ class Judged(State):
     judged: dict[str, Any] | None
 
 
-def answers(kind: Any) -> dict[str, Any]:
-    """Options of a route whose answer the schema is to describe as `kind`, without checking it."""
-    return {"response_model": None, "responses": {200: {"model": kind}}}
+class Refused(TypedDict):
+    """Any refusal. error: the same as `why`."""
+
+    why: str
+    error: str
+
+
+REFUSED: dict[int, str] = {
+    404: "there is none of that name",
+    409: "not applied",
+    411: "how long the body is was not said",
+    413: "too large",
+    415: "not a kind of file that is read",
+    422: "it does not fit, or cannot be used",
+    507: "there is no room to keep it",
+}
+"""What each status of a refusal means."""
+
+
+def answers(kind: Any, *refusals: int) -> dict[str, Any]:
+    """Options of a route whose answer the schema is to describe as `kind`, without checking it.
+
+    refusals: the statuses, of `REFUSED`, with which it may refuse.
+    """
+    return {"response_model": None, "responses": {200: {"model": kind}, **refusing(*refusals)}}
+
+
+def refusing(*statuses: int) -> dict[int | str, dict[str, Any]]:
+    """The same for its refusals alone."""
+    return {s: {"model": Refused, "description": f"{REFUSED[s]}: see `why`"} for s in statuses}

@@ -4,9 +4,10 @@ import asyncio
 from typing import Any
 
 from fastapi import APIRouter
-from pydantic import BaseModel, Field
+from pydantic import Field
 
-from studio.live.shown import PROMPTS
+from studio.live.command import Body
+from studio.live.shown_motion import PROMPTS
 from studio.reference.library import TASKS
 from studio.takes.as_json import plain
 from studio.takes.dataset.datamap import DataMap
@@ -16,7 +17,7 @@ from studio.web.answers_takes import CollectSession, CoverageMap, Task
 from studio.web.hub import Hub, OffThread
 
 
-class NotesBody(BaseModel):
+class NotesBody(Body):
     """A session's notes."""
 
     notes: str = Field(max_length=4000)
@@ -49,12 +50,12 @@ def collect_router(hub: Hub) -> APIRouter:
         """Takes by operator and day, newest first, with notes and calibration."""
         return [s.as_dict() for s in await off_thread(book.list)]
 
-    @router.get("/sessions/{name}", **answers(CollectSession))
+    @router.get("/sessions/{name}", **answers(CollectSession, 404))
     async def session(name: str) -> dict[str, Any]:
         """One session."""
         return (await off_thread(book.read, name)).as_dict()
 
-    @router.patch("/sessions/{name}", **answers(CollectSession))
+    @router.patch("/sessions/{name}", **answers(CollectSession, 404, 422))
     async def note(name: str, body: NotesBody) -> dict[str, Any]:
         """Write a session's notes."""
         return (await off_thread(book.note, name, body.notes)).as_dict()

@@ -8,13 +8,14 @@ import inspect
 from collections.abc import Callable, Coroutine
 from typing import Any
 
-from fastapi import APIRouter, Body, Depends, HTTPException, Request, Response
+from fastapi import APIRouter, Depends, HTTPException, Request, Response
+from fastapi import Body as InBody
 from fastapi.exceptions import RequestValidationError
 from fastapi.routing import APIRoute
-from pydantic import BaseModel, Field, create_model
+from pydantic import Field, create_model
 
 from studio.errors import StudioError
-from studio.live.command import misfit
+from studio.live.command import Body, misfit
 from studio.live.commands import COMMANDS, CollectAction, Command, StartTake, StopTake
 from studio.takes.as_json import plain
 from studio.takes.session_library import SessionLibrary
@@ -23,7 +24,7 @@ from studio.web.answers_takes import Started, Stopped
 from studio.web.hub import Hub, refused
 
 
-class ControlBody(BaseModel):
+class ControlBody(Body):
     """take, release or hand_over (to another page)."""
 
     page: str = Field(max_length=64)
@@ -55,12 +56,11 @@ ANSWERS: dict[type[Command], Any] = {
     StartTake: Started, StopTake: Stopped, CollectAction: Judged,
 }  # fmt: skip
 """What a command is answered that is not answered the state."""
-REFUSALS: dict[int | str, dict[str, Any]] = {409: {"description": "not applied; `why` says why"}}
 
 
 def commands_router(hub: Hub) -> APIRouter:
     """Everything that asks the loop for something, and what it is doing."""
-    router = APIRouter(prefix="/api", responses=REFUSALS)
+    router = APIRouter(prefix="/api")
     library = SessionLibrary(hub.sessions)
 
     async def known_take(name: str) -> None:
@@ -87,14 +87,14 @@ def commands_router(hub: Hub) -> APIRouter:
                 tags=[command.tag],
                 dependencies=[Depends(known_take)] if "{name}" in command.path else [],
                 route_class_override=CommandRoute if command.misfit_status == 409 else None,
-                **answers(ANSWERS.get(command, State)),
+                **answers(ANSWERS.get(command, State), *refusals(command)),
             )
 
-    @router.post("/control", tags=["studio"], **answers(State))
+    @router.post("/control", tags=["studio"], **answers(State, 409, 422))
     async def control(body: ControlBody) -> dict[str, Any]:
         """A page takes, hands over or gives up control."""
         try:
-            hub.desk.act(body.action, body.page, body.to)
+            hub.control.act(body.action, body.page, body.to)
         except StudioError as error:
             raise refused(str(error)) from error
         return hub.state()
@@ -102,7 +102,13 @@ def commands_router(hub: Hub) -> APIRouter:
     return router
 
 
-def body_of(command: type[Command]) -> type[BaseModel] | None:
+def refusals(command: type[Command]) -> list[int]:
+    """The statuses with which asking for a command may be refused."""
+    found = {409, command.misfit_status} if body_of(command) else {409}
+    return sorted(found | {404} if "{name}" in command.path else found)
+
+
+def body_of(command: type[Command]) -> type[Body] | None:
     """The body that asks for a command: its fields, but for those from elsewhere; None if none."""
     fields: dict[str, Any] = {
         name: (field.annotation, field)
@@ -111,14 +117,14 @@ def body_of(command: type[Command]) -> type[BaseModel] | None:
     }
     if not fields or len(fields) == len(command.model_fields):
         return command if fields else None
-    return create_model(f"{command.__name__}Body", __config__=command.model_config, **fields)
+    return create_model(f"{command.__name__}Body", __base__=Body, **fields)
 
 
 def endpoint(hub: Hub, command: type[Command]) -> Callable[..., Coroutine[Any, Any, dict]]:
     """The function that FastAPI calls for a command."""
     body_type = body_of(command)
 
-    async def ask(request: Request, body: BaseModel | None) -> dict[str, Any]:
+    async def ask(request: Request, body: Body | None) -> dict[str, Any]:
         if not isinstance(body, command):
             more = {**request.path_params, **(dict(body) if body is not None else {})}
             if command.sender:
@@ -135,7 +141,7 @@ def endpoint(hub: Hub, command: type[Command]) -> Callable[..., Coroutine[Any, A
         return without
     required = any(field.is_required() for field in body_type.model_fields.values())
     wanted = body_type if required else body_type | None
-    default = Body(... if required else None)
+    default = InBody(... if required else None)
 
     async def with_body(request: Request, body: wanted = default) -> dict[str, Any]:  # type: ignore[valid-type]
         return await ask(request, body)

@@ -11,18 +11,19 @@ from fastapi import APIRouter, HTTPException, Request
 from studio.errors import StudioError
 from studio.human.joint_names import UnmappedJoints
 from studio.live.commands import SetSource
-from studio.sources import open_source
+from studio.sources import SOURCES, open_source
 from studio.web.answers import State, answers
 from studio.web.hub import Hub, refused
 
 MAX_FILE = 64 * 1024 * 1024
 """Bytes: ten minutes of 120 Hz BVH are 40 MB."""
-KINDS = {".bvh": "bvh", ".jsonl": "frames", ".json": "frames"}
+KINDS = {suffix: name for name, kind in SOURCES.items() for suffix in kind.suffixes}
+"""Which source plays a file."""
 
 
 def safe_name(name: str) -> str:
-    """The file's own name, fit for a path: letters, digits, dashes, one dot."""
-    stem = re.sub(r"[^A-Za-z0-9_-]+", "_", Path(name.replace("\\", "/")).stem).strip("_")
+    """The file's own name, fit for a path: letters, digits, spaces, dashes, brackets, one dot."""
+    stem = re.sub(r"[^\w() -]+", "_", Path(name.replace("\\", "/")).stem).strip("_ ")
     return f"{stem[:60] or 'motion'}{Path(name).suffix.lower()}"
 
 
@@ -30,7 +31,7 @@ def files_router(hub: Hub) -> APIRouter:
     """`POST /api/files`; what is dropped is kept as long as the studio runs."""
     router = APIRouter(prefix="/api", tags=["studio"])
 
-    @router.post("/files", **answers(State))
+    @router.post("/files", **answers(State, 409, 413, 415, 422))
     async def drop(name: str, request: Request) -> dict[str, Any]:
         """Body: the file's bytes; `name`: its name. Answers the state, with it as the source."""
         kind = KINDS.get(Path(name).suffix.lower())
@@ -39,9 +40,10 @@ def files_router(hub: Hub) -> APIRouter:
         declared = request.headers.get("content-length", "")
         if declared.isdigit() and int(declared) > MAX_FILE:
             raise refused(_too_large(), 413)
-        folder = hub.scratch / "dropped"
-        folder.mkdir(exist_ok=True)
-        path = folder / f"{secrets.token_hex(4)}_{safe_name(name)}"
+        # A folder for each, so that the file keeps its name: whatever is said of it later.
+        folder = hub.scratch / "dropped" / secrets.token_hex(4)
+        folder.mkdir(parents=True)
+        path = folder / safe_name(name)
         try:
             await _store(request, path)
             spec = f"{kind}:{path}"
@@ -56,6 +58,7 @@ def files_router(hub: Hub) -> APIRouter:
             raise  # the file stays, for the joint map that it needs
         except BaseException:
             path.unlink(missing_ok=True)
+            folder.rmdir()
             raise
         return hub.state()
 

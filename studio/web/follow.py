@@ -22,6 +22,15 @@ SOLE = 0.035
 """The toe and ankle joints are this far above the sole, m (before scaling)."""
 
 
+HALF_TURN = np.array([0.0, 0.0, 0.0, 1.0])
+"""(4,) wxyz, about z."""
+
+
+def faced_away(points: Array, column: Array) -> Array:
+    """Points (..., 3) m of a figure, turned by half a turn about the vertical of its column."""
+    return points * (-1.0, -1.0, 1.0) + 2.0 * column * (1.0, 1.0, 0.0)
+
+
 class Follow:
     """Smoothed ground position of a figure; (x, y) to be taken away from it."""
 

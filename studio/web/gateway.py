@@ -15,6 +15,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import ASGIApp
 
 import studio
+from studio.files import FULL
 from studio.live.command import misfit
 from studio.live.loop import LiveLoop
 from studio.live.runtime import RuntimeConfig
@@ -22,18 +23,19 @@ from studio.paths import package_folder
 from studio.web.access import AccessConfig, AccessMiddleware
 from studio.web.collect_api import collect_router
 from studio.web.commands_api import commands_router
-from studio.web.desk import ControlDesk
 from studio.web.feed import TickFeed
 from studio.web.files_api import files_router
+from studio.web.guarded_viser import GuardedViser
 from studio.web.health_api import health_router
 from studio.web.hub import Hub
-from studio.web.inner import InnerViser
 from studio.web.joint_map_api import joint_map_router
-from studio.web.keeper import Keeper
+from studio.web.page_control import PageControl
 from studio.web.relay import view_router
 from studio.web.review_api import review_router
 from studio.web.schema import with_messages
 from studio.web.sockets import sockets_router
+from studio.web.stop_order import StopAnswers
+from studio.web.supervisor import Supervisor
 from studio.web.takes_api import takes_router
 from studio.web.train_api import train_router
 
@@ -50,11 +52,11 @@ def create_api(hub: Hub) -> FastAPI:
     """The API alone."""
 
     @asynccontextmanager
-    async def lifespan(_: FastAPI) -> AsyncIterator[None]:
+    async def lifespan(_: FastAPI) -> AsyncIterator[dict[str, Any]]:
         import asyncio
 
         hub.feed.begin(asyncio.get_running_loop())
-        yield
+        yield {"stop_order": hub.stop_order}
         hub.feed.stop()
         hub.close()
 
@@ -66,6 +68,7 @@ def create_api(hub: Hub) -> FastAPI:
         openapi_url="/api/openapi.json",
         lifespan=lifespan,
     )
+    app.add_middleware(StopAnswers, order=hub.stop_order)
     app.include_router(commands_router(hub))
     app.include_router(collect_router(hub))
     app.include_router(review_router(hub))
@@ -87,9 +90,9 @@ def openapi() -> dict[str, Any]:
         hub = Hub(
             loop=loop,
             access=AccessConfig(token="none", host="127.0.0.1", port=0),
-            desk=ControlDesk(loop.post, loop.beat, loop.silent),
+            control=PageControl(loop.post, loop.beat, loop.silent),
             feed=TickFeed(loop.ticks),
-            keeper=Keeper(loop, {}),
+            supervisor=Supervisor(loop, {}),
             sessions=Path(folder),
             scratch=Path(folder),
         )
@@ -99,7 +102,7 @@ def openapi() -> dict[str, Any]:
             hub.close()
 
 
-def create_app(hub: Hub, inner: InnerViser | None) -> ASGIApp:
+def create_app(hub: Hub, inner: GuardedViser | None) -> ASGIApp:
     """The application, access checks outermost."""
     assets = assets_folder()
     app = create_api(hub)
@@ -111,6 +114,11 @@ def create_app(hub: Hub, inner: InnerViser | None) -> ASGIApp:
         """The page."""
         return FileResponse(assets / "index.html", media_type="text/html")
 
+    @app.get("/camera", include_in_schema=False)
+    async def camera() -> FileResponse:
+        """The page of a camera, on this machine or on a second one."""
+        return FileResponse(assets / "camera.html", media_type="text/html")
+
     @app.get("/api/docs", include_in_schema=False)
     async def docs(request: Request) -> Any:
         """The schema: for people as a page, for programs as JSON."""
@@ -118,7 +126,7 @@ def create_app(hub: Hub, inner: InnerViser | None) -> ASGIApp:
             return HTMLResponse((assets / "docs.html").read_text("utf-8"))
         return JSONResponse(app.openapi())
 
-    for name in ("css", "js", "img", "vendor"):
+    for name in ("css", "js", "img", "samples", "vendor"):
         if (assets / name).is_dir():
             app.mount(f"/assets/{name}", StaticFiles(directory=assets / name), name=name)
 
@@ -133,6 +141,14 @@ def create_app(hub: Hub, inner: InnerViser | None) -> ASGIApp:
     async def left(_: Request, error: ClientDisconnect) -> JSONResponse:
         """Nobody is there to read it."""
         return JSONResponse({"why": "the sender left", "error": "the sender left"}, 400)
+
+    @app.exception_handler(OSError)
+    async def full(_: Request, error: OSError) -> JSONResponse:
+        """A full disk, wherever it is met."""
+        if error.errno not in FULL:
+            raise error
+        why = f"nothing was kept: {error.strerror}; make room, then try again"
+        return JSONResponse({"why": why, "error": why}, 507)
 
     @app.exception_handler(RequestValidationError)
     async def malformed(_: Request, error: RequestValidationError) -> JSONResponse:

@@ -30,7 +30,7 @@ def health_router(hub: Hub) -> APIRouter:
     @router.get("/health", **HEALTH)
     async def health() -> JSONResponse:
         """ok; degraded, with `why`: it works but for that, or (503) the robot cannot be driven."""
-        grave, minor = hub.keeper.troubles()
+        grave, minor = hub.supervisor.troubles()
         status = "starting" if grave == ["starting"] else "degraded" if grave or minor else "ok"
         body: Health = {"status": status, "version": studio.__version__}
         if status == "degraded":

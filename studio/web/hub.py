@@ -1,4 +1,4 @@
-"""What the gateway's routes share: the loop, the desk, the feed, and how a command is answered."""
+"""What routes share: the loop, who controls it, the feed, and how a command is answered."""
 
 import asyncio
 import logging
@@ -11,18 +11,19 @@ from typing import Any, TypeVar
 import msgspec
 from fastapi import HTTPException, Request
 
-from studio.control.trackers import CONTROLLERS
+from studio.control.controllers import CONTROLLERS
 from studio.errors import StudioError
 from studio.live.commands import Command, Result, Stop
 from studio.live.loop import LiveLoop
 from studio.reference.library import TASKS
 from studio.takes.as_json import plain
 from studio.web.access import AccessConfig
-from studio.web.desk import ControlDesk
 from studio.web.feed import TickFeed
-from studio.web.helper import Helper
-from studio.web.keeper import Keeper
 from studio.web.keyboard import intent_of
+from studio.web.page_control import PageControl
+from studio.web.stop_order import STOPS_KNOWN, StopOrder
+from studio.web.supervisor import Supervisor
+from studio.web.worker_process import WorkerProcess
 
 T = TypeVar("T")
 log = logging.getLogger(__name__)
@@ -39,29 +40,30 @@ class Hub:
 
     loop: LiveLoop
     access: AccessConfig
-    desk: ControlDesk
+    control: PageControl
     feed: TickFeed
-    keeper: Keeper
+    supervisor: Supervisor
     sessions: Path
     scratch: Path
 
     def __post_init__(self) -> None:
+        self.stop_order = StopOrder(lambda: self.loop.stops)
         # A stop never queues behind other commands, nor a command behind work on files.
         self.stops = ThreadPoolExecutor(max_workers=16, thread_name_prefix="stop")
         self.commands = ThreadPoolExecutor(max_workers=4, thread_name_prefix="command")
         self.workers = ThreadPoolExecutor(max_workers=4, thread_name_prefix="files")
         # One at a time: a thread that reads a large file leaves Python to nobody for long.
         self.opening = ThreadPoolExecutor(max_workers=1, thread_name_prefix="open")
-        self.helper = Helper()
+        self.worker_process = WorkerProcess()
         self._encoded: tuple[Any, bytes] = (None, b"")
-        self.at_close: list[Callable[[], None]] = [self.helper.close]
+        self.at_close: list[Callable[[], None]] = [self.worker_process.close]
 
     async def submit(self, command: Command, seen: int | None = None) -> Result:
         """Ask the loop from the event loop, which goes on meanwhile.
 
-        seen: the stops that the sender knew of, those answered by now if it does not say.
+        seen: the stops that the sender may have known of, those answered by now by default.
         """
-        known = self.loop.stops  # now: later, in a pool, it may have become too late to ask
+        known = self.stop_order.known()  # now: later, in a pool, it may have become too late to ask
         seen = known if seen is None else min(seen, known)
         pool = self.opening if command.prepares else self.commands
         pool = self.stops if isinstance(command, Stop) else pool
@@ -73,7 +75,7 @@ class Hub:
     async def apply(self, command: Command, request: Request | None = None) -> Result:
         """Submit for a request; 409 with `why` if the loop, or whoever holds control, refuses."""
         page = request.headers.get("x-studio-page") if request is not None else None
-        why = "" if isinstance(command, Stop) else self.desk.refusal(page)
+        why = "" if isinstance(command, Stop) else self.control.refusal(page)
         if why:
             raise refused(why)
         result = await self.submit(command, _stops_seen(request))
@@ -83,7 +85,7 @@ class Hub:
 
     def state(self) -> dict[str, Any]:
         """GET /api/state, with who holds control."""
-        return {**self.loop.state_dict(), **NAMES, "control": self.desk.state()}
+        return {**self.loop.state_dict(), **NAMES, "control": self.control.state()}
 
     def state_json(self, **first: Any) -> bytes:
         """The same in JSON, after the keys of `first`.
@@ -93,12 +95,12 @@ class Hub:
         state = self.loop.state_dict()
         if state is not self._encoded[0]:
             self._encoded = state, msgspec.json.encode(plain({**state, **NAMES}))
-        ours = msgspec.json.encode({**first, "control": self.desk.state()})
+        ours = msgspec.json.encode({**first, "control": self.control.state()})
         return self._encoded[1][:-1] + b"," + ours[1:]
 
     def drive(self, page: str, keys: frozenset[str]) -> None:
         """Keys held by the page in control become what the hand-driven operator means."""
-        if page == self.desk.holder:
+        if page == self.control.holder:
             self.loop.runtime.source.set_intent(intent_of(keys))
 
     def close(self) -> None:
@@ -137,6 +139,11 @@ def refused(why: str, status: int = 409) -> HTTPException:
 
 
 def _stops_seen(request: Request | None) -> int | None:
-    """`stops` of the state that the page showed when its user pressed the button, if it says."""
-    seen = request.headers.get("x-studio-stops", "") if request is not None else ""
-    return int(seen) if seen.isascii() and seen.isdigit() and len(seen) < 10 else None
+    """How many stops its sender knew of at most: those known when it was received, and `stops` of
+    the state that a page showed when its user pressed the button, if it says."""
+    if request is None:
+        return None
+    said = request.headers.get("x-studio-stops", "")
+    shown = [int(said)] if said.isascii() and said.isdigit() and len(said) < 10 else []
+    received = request.scope.get("state", {}).get(STOPS_KNOWN)
+    return min(shown if received is None else [*shown, received], default=None)

@@ -24,7 +24,7 @@ from studio.web.hub import Hub, refused
 MAX_BODY = 2 * 2**30
 """Bytes of one request: ten hours of tape."""
 SMALL = 256 * 1024
-"""Bytes that are taken in sooner than a process is begun: 20 s of BVH."""
+"""Bytes that are taken in sooner than a process is begun: 20 s of BVH. Zips may hold more."""
 BODY = {
     "requestBody": {
         "required": True,
@@ -49,7 +49,7 @@ def import_router(hub: Hub) -> APIRouter:
     """`POST /import`, below `/api/takes`."""
     router = APIRouter(tags=["takes"])
 
-    @router.post("/import", openapi_extra=BODY, **answers(Imported))
+    @router.post("/import", openapi_extra=BODY, **answers(Imported, 411, 413, 415, 422, 507))
     async def import_(request: Request) -> dict[str, Any]:
         """Files of one take (tape.mcap, meta.json, edits.jsonl), a .zip of takes, or a motion file.
 
@@ -79,9 +79,10 @@ async def _take_in(hub: Hub, form: FormData) -> dict[str, Any]:
         here = partial(asyncio.get_running_loop().run_in_executor, hub.workers)
         for file, path in zip(files, stored):
             await here(_store, file.file, path)
-        if sum(path.stat().st_size for path in stored) < SMALL:
+        zipped = any(path.suffix.lower() == ".zip" for path in stored)
+        if not zipped and sum(path.stat().st_size for path in stored) < SMALL:
             return await here(take_in, hub.sessions, stored, robot)
-        return await hub.helper.do(take_in, hub.sessions, stored, robot)
+        return await hub.worker_process.run(take_in, hub.sessions, stored, robot)
     except StudioError as error:
         raise refused(str(error), 422) from error
     except OSError as error:

@@ -3,21 +3,21 @@
 from typing import Any
 
 from fastapi import APIRouter, Request
-from pydantic import BaseModel, Field
+from pydantic import Field
 from typing_extensions import TypedDict
 
-from studio.errors import StudioError
 from studio.human.joint_names import MAPPABLE, NEEDED, guess_joints
+from studio.live.command import Body
 from studio.live.commands import SetSource
 from studio.mocap.bvh import read_joints
 from studio.mocap.bvh_header import Hierarchy
 from studio.mocap.joint_maps import JointMaps, joint_map_of
-from studio.sources import open_source
+from studio.sources import open_source, refuse_joint_map
 from studio.web.answers import State, answers
 from studio.web.hub import Hub, OffThread
 
 
-class JointMapBody(BaseModel):
+class JointMapBody(Body):
     """map: canonical joint to the file's joint, a list of them (their middle), or null (it has
     none); empty forgets what was said. source: bvh:FILE; the source in use if left out."""
 
@@ -43,7 +43,7 @@ def joint_map_router(hub: Hub) -> APIRouter:
 
     off_thread = OffThread(hub.workers, 422)
 
-    @router.get("/joint-map", **answers(JointMapAnswer))
+    @router.get("/joint-map", **answers(JointMapAnswer, 422))
     async def joint_map(source: str | None = None) -> dict[str, Any]:
         """The joints of a BVH as it calls them, and which is taken for which.
 
@@ -53,12 +53,12 @@ def joint_map_router(hub: Hub) -> APIRouter:
         spec = source or hub.loop.runtime.source.name
         return await off_thread(_described, hub, spec)
 
-    @router.post("/joint-map", **answers(State))
+    @router.post("/joint-map", **answers(State, 409, 422))
     async def say(body: JointMapBody, request: Request) -> dict[str, Any]:
         """Say which joint is which; kept for every file with the same joints, and the file is made
         the source. Answers the state; 422 with why for a map with which it cannot be read."""
         spec = body.source or hub.loop.runtime.source.name
-        await off_thread(_said, hub, spec, body.map)
+        await off_thread(_set_joint_map, hub, spec, body.map)
         await hub.apply(SetSource(source=spec), request)
         return hub.state()
 
@@ -66,10 +66,8 @@ def joint_map_router(hub: Hub) -> APIRouter:
 
 
 def _joints(spec: str) -> Hierarchy:
-    kind, _, path = spec.partition(":")
-    if kind != "bvh" or not path:
-        raise StudioError(f"source {spec!r} takes no joint map: its joints are known; a BVH does")
-    return read_joints(path)
+    refuse_joint_map(spec)
+    return read_joints(spec.partition(":")[2])
 
 
 def _described(hub: Hub, spec: str) -> dict[str, Any]:
@@ -86,7 +84,7 @@ def _described(hub: Hub, spec: str) -> dict[str, Any]:
     }
 
 
-def _said(hub: Hub, spec: str, said: dict[str, Any]) -> None:
+def _set_joint_map(hub: Hub, spec: str, said: dict[str, Any]) -> None:
     joints = _joints(spec)
     if not said:
         JointMaps(hub.sessions).remember(joints.names, {})

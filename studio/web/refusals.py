@@ -19,6 +19,10 @@ VIEW_CSP = (
     "connect-src 'self' data: blob:; worker-src blob:; base-uri 'none'; form-action 'none'; "
     "frame-ancestors 'self'"
 )
+# MediaPipe is WebAssembly, and runs in a worker, whose policy is its own: it may compile what we
+# serve, and reach nobody else.
+MODEL_CSP = "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; connect-src 'self'"
+MODEL_WORKER = "/assets/js/webcam-worker.js"
 
 # A form and nothing else, for whoever has no token yet; so that it needs no file of ours.
 SIGN_IN_CSP = (
@@ -30,6 +34,7 @@ SIGN_IN_CSP = (
 def security_headers(path: str) -> list[tuple[bytes, bytes]]:
     """For an answer to `path`."""
     csp = VIEW_CSP if path.startswith("/view/") else PAGE_CSP
+    csp = MODEL_CSP if path == MODEL_WORKER else csp
     return [
         (b"content-security-policy", csp.encode()),
         (b"x-content-type-options", b"nosniff"),

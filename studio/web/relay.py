@@ -12,7 +12,12 @@ from starlette.responses import RedirectResponse
 from starlette.websockets import WebSocketDisconnect
 from websockets.exceptions import ConnectionClosed, WebSocketException
 
-from studio.web.inner import SECRET_HEADER, InnerViser, client_html, client_message_allowed
+from studio.web.guarded_viser import (
+    SECRET_HEADER,
+    GuardedViser,
+    client_html,
+    client_message_allowed,
+)
 
 log = logging.getLogger(__name__)
 CAMERA_S = 0.1
@@ -25,7 +30,7 @@ FRAME_TAGS = (
 FRAME_TAGS += "</script>"
 
 
-def view_router(inner: InnerViser) -> APIRouter:
+def view_router(inner: GuardedViser) -> APIRouter:
     """`/view/`: the 3-D view as a page of its own, to be framed by ours."""
     router = APIRouter(include_in_schema=False)
     plain = client_html().replace("<script", FRAME_TAGS + "<script", 1).encode()
@@ -48,7 +53,7 @@ def view_router(inner: InnerViser) -> APIRouter:
     return router
 
 
-async def relay(ws: WebSocket, inner: InnerViser) -> None:
+async def relay(ws: WebSocket, inner: GuardedViser) -> None:
     """Join one browser to viser until either leaves."""
     protocols = ws.scope.get("subprotocols", [])
     protocol = next((p for p in protocols if p.startswith("viser-v")), None)

@@ -4,33 +4,33 @@ from typing import Any
 
 import numpy as np
 from fastapi import APIRouter
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field, StrictBool
 
+from studio.live.command import Body
 from studio.takes.align import synchrony
 from studio.takes.as_json import plain
 from studio.takes.edit import edited, review, windows
 from studio.takes.session_library import SessionLibrary
+from studio.timing import CONTROL_HZ
 from studio.web.answers import answers
 from studio.web.answers_takes import Aligned, Split, TakeInfo, Timeline
 from studio.web.hub import Hub, OffThread, refused
 
 
-class AlignBody(BaseModel):
+class AlignBody(Body):
     """accept the proposed lag (with a time warp on top, if warp), or refuse it."""
 
-    model_config = ConfigDict(extra="forbid")
-    accept: bool = True
-    warp: bool = False
+    accept: StrictBool = True
+    warp: StrictBool = False
 
 
-class CleanBody(BaseModel):
+class CleanBody(Body):
     """Which suggestions to cut out, by their index in the review; all of them without."""
 
-    model_config = ConfigDict(extra="forbid")
     which: list[int] | None = Field(default=None, max_length=10_000)
 
 
-class SplitBody(BaseModel):
+class SplitBody(Body):
     """Where, s into the take."""
 
     at: float = Field(allow_inf_nan=False)
@@ -54,18 +54,18 @@ def review_router(hub: Hub) -> APIRouter:
         """Names in the bin."""
         return await off_thread(library.deleted, status=500)
 
-    @router.post("/{name}/restore", **answers(TakeInfo))
+    @router.post("/{name}/restore", **answers(TakeInfo, 404))
     async def restore(name: str) -> dict[str, Any]:
         """Back from the bin."""
         return (await off_thread(lambda: library.restore(name), status=404)).as_dict()
 
-    @router.get("/{name}/review", **answers(review.Review))
+    @router.get("/{name}/review", **answers(review.Review, 404, 422))
     async def reviewed(name: str) -> dict[str, Any]:
         """Suggestions, alignment as it is and as proposed, score and why."""
         await known(name)
         return plain((await off_thread(lambda: review.review(library, name))).as_dict())
 
-    @router.get("/{name}/timeline", **answers(Timeline))
+    @router.get("/{name}/timeline", **answers(Timeline, 404, 422))
     async def timeline(name: str, points: int = 600, aligned: bool = True) -> dict[str, Any]:
         """Curves of both sides over the whole take: tilt, height, hands and paws, steps."""
         await known(name)
@@ -77,26 +77,26 @@ def review_router(hub: Hub) -> APIRouter:
             if not aligned:
                 edits = type(edits)(trim=edits.trim, cuts=edits.cuts)
             curves = windows.overview(table, edits, points)
-            ticks = np.rint(np.asarray(curves["t"]) * 30.0).astype(int)
+            ticks = np.rint(np.asarray(curves["t"]) * CONTROL_HZ).astype(int)
             contact = np.asarray(table.rows["reference_foot_contact"][ticks], dtype=np.float64)
             return {**curves, "seconds": table.seconds, "contact": contact}
 
         return plain(await off_thread(work))
 
-    @router.post("/{name}/align", **answers(Aligned))
+    @router.post("/{name}/align", **answers(Aligned, 404, 422))
     async def align(name: str, body: AlignBody) -> dict[str, Any]:
         """Accept or refuse the proposed alignment: an edit, which undo takes back."""
         await known(name)
         if body.accept:
             work = lambda: synchrony.accept_alignment(library, name, warp=body.warp)  # noqa: E731
             before, found = await off_thread(work)
-            told = {"before": before, "after": found}
+            changed = {"before": before, "after": found}
         else:
             await off_thread(lambda: synchrony.refuse_alignment(library, name))
-            told = {}
-        return {**await info(name), **plain({k: vars(v) for k, v in told.items() if v})}
+            changed = {}
+        return {**await info(name), **plain({k: vars(v) for k, v in changed.items() if v})}
 
-    @router.post("/{name}/clean", **answers(TakeInfo))
+    @router.post("/{name}/clean", **answers(TakeInfo, 404, 422))
     async def clean(name: str, body: CleanBody | None = None) -> dict[str, Any]:
         """Cut suggestions out: an edit, which undo takes back."""
         await known(name)
@@ -104,7 +104,7 @@ def review_router(hub: Hub) -> APIRouter:
         await off_thread(lambda: review.accept_suggestions(library, name, which))
         return await info(name)
 
-    @router.post("/{name}/split", **answers(Split))
+    @router.post("/{name}/split", **answers(Split, 404, 422))
     async def split(name: str, body: SplitBody) -> dict[str, Any]:
         """One take into two of the same tape; undo joins them."""
         await known(name)

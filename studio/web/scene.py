@@ -4,19 +4,22 @@ Meshes are sent once, batched by shape; afterwards only poses change. `update` b
 thread (view.py).
 """
 
+from collections.abc import Callable
+
 import numpy as np
 import viser
 from numpy.typing import NDArray
 
-from studio.geometry import quat_rotate
+from studio.geometry import quat_mul, quat_rotate
 from studio.human.pose import HumanPose
 from studio.robot import a1
 from studio.robot.kinematics import foot_pos_w, link_frames_w
 from studio.robot.pose import RobotPose
 from studio.sim import visual
 from studio.takes.tick import Tick
-from studio.web import figures
+from studio.web import shapes
 from studio.web.follow import (
+    HALF_TURN,
     HUMAN_COLUMN,
     HUMAN_SCALE,
     REFERENCE_COLUMN,
@@ -24,6 +27,7 @@ from studio.web.follow import (
     Above,
     Follow,
     HumanPlace,
+    faced_away,
 )
 from studio.web.scene_batch import HIDDEN, Batch
 
@@ -48,30 +52,32 @@ class HumanFigure:
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._place = HumanPlace()
-        n_bones, n_joints = len(figures.BONES), len(figures.JOINT_RADII)
-        bone, ball = figures.bone_mesh(), figures.ball_mesh()
-        self._bones = Batch(scene, "/human/bones", bone, n_bones, figures.BONE_COLORS, scaled=True)
+        n_bones, n_joints = len(shapes.BONES), len(shapes.JOINT_RADII)
+        bone, ball = shapes.bone_mesh(), shapes.ball_mesh()
+        self._bones = Batch(scene, "/human/bones", bone, n_bones, shapes.BONE_COLORS, scaled=True)
         self._joints = Batch(
-            scene, "/human/joints", ball, n_joints, figures.JOINT_COLORS, scaled=True
+            scene, "/human/joints", ball, n_joints, shapes.JOINT_COLORS, scaled=True
         )
-        self._radii = HUMAN_SCALE * np.repeat(figures.JOINT_RADII[:, None], 3, axis=1)
+        self._radii = HUMAN_SCALE * np.repeat(shapes.JOINT_RADII[:, None], 3, axis=1)
 
     def reset(self) -> None:
         """Another source: find floor and heading anew."""
         self._place.reset()
 
-    def update(self, pose: HumanPose | None, dt: float) -> float:
+    def update(self, pose: HumanPose | None, dt: float, away: bool) -> float:
         """Draw the pose; joints that were not seen, and bones that end in them, vanish.
 
-        Returns how high it reaches, m.
+        away: seen from behind. Returns how high it reaches, m.
         """
         if pose is None:
             return 0.0
         joints = self._place.place(pose, dt)
+        if away:
+            joints = faced_away(joints, HUMAN_COLUMN)
         unseen = pose.confidence <= 0.0
-        start, wxyz, scale = figures.bone_transforms(joints)
+        start, wxyz, scale = shapes.bone_transforms(joints)
         scale[:, :2] *= HUMAN_SCALE
-        scale[unseen[figures.BONE_END] | unseen[figures.BONE_START]] = HIDDEN
+        scale[unseen[shapes.BONE_END] | unseen[shapes.BONE_START]] = HIDDEN
         self._bones.move(start, wxyz, scale)
         radii = np.where(unseen[:, None], HIDDEN, self._radii)
         self._joints.move(joints, scale=radii)
@@ -96,19 +102,21 @@ class RobotFigure:
         self._batches: list[tuple[NDArray[np.intp], Batch]] = []
         for links in groups.values():
             mesh = meshes[links[0]]
-            shape = figures.Mesh(vertices=mesh.vertices, faces=mesh.faces)
+            shape = shapes.Mesh(vertices=mesh.vertices, faces=mesh.faces)
             batch = Batch(
                 scene, f"/{name}/{links[0]}", shape, len(links), tint or mesh.color, opacity=opacity
             )
             self._batches.append((np.array([a1.LINKS.index(link) for link in links]), batch))
 
-    def update(self, pose: RobotPose, shift: Array) -> float:
+    def update(self, pose: RobotPose, shift: Array, away: Array | None) -> float:
         """Draw the pose, its world moved by `shift` (3,) m; returns how high it reaches, m.
 
-        But for its feet, which are not links.
+        But for its feet, which are not links. away: the column (3,) m that it is turned about.
         """
         pos, quat = link_frames_w(pose.base_pos, pose.base_quat, pose.joint_pos)
         pos = pos + shift
+        if away is not None:
+            pos, quat = faced_away(pos, away), quat_mul(HALF_TURN, quat)
         for links, batch in self._batches:
             batch.move(pos[links], quat[links])
         ends = pos[0] + quat_rotate(quat[0], NOSE_AND_TAIL)
@@ -134,10 +142,16 @@ class Caption:
 
 
 class StudioScene:
-    """Everything in the view. One thread calls `update`."""
+    """Everything in the view. One thread calls `update`.
 
-    def __init__(self, server: viser.ViserServer) -> None:
-        self._server = server
+    mirror: whether the person moves as in a mirror. What is shown to be acted out faces them then;
+    else they stand behind it, their left being its left.
+    """
+
+    def __init__(
+        self, server: viser.ViserServer, mirror: Callable[[], bool] = lambda: True
+    ) -> None:
+        self._server, self._mirror = server, mirror
         scene = server.scene
         server.initial_camera.position = (3.1, -1.2, 1.35)
         server.initial_camera.look_at = (0.0, -0.03, 0.45)
@@ -178,7 +192,7 @@ class StudioScene:
         self._contacts = Batch(
             scene,
             "/contacts",
-            figures.disc_mesh(),
+            shapes.disc_mesh(),
             8,
             np.tile(CONTACT_OFF, (8, 1)),
             scaled=True,
@@ -193,8 +207,9 @@ class StudioScene:
         if tick.t < self._last_t:
             self._human.reset()
         self._last_t = tick.t
+        away = tick.mode == "collect" and not self._mirror()
         with self._server.atomic():
-            self._captions["human"].rise(self._human.update(tick.human, dt), dt)
+            self._captions["human"].rise(self._human.update(tick.human, dt, away), dt)
             ref = tick.reference
             feet = {
                 "reference": foot_pos_w(ref.base_pos, ref.base_quat, ref.joint_pos),
@@ -205,11 +220,15 @@ class StudioScene:
                 xy = self._follow[name].push(pose.base_pos[:2], dt)
                 shifts[name] = COLUMNS[name] - np.array([xy[0], xy[1], 0.0])
                 feet[name] = feet[name] + shifts[name]
-                top = self._figures[name].update(pose, shifts[name])
+                about = COLUMNS[name] if away else None
+                if about is not None:
+                    feet[name] = faced_away(feet[name], about)
+                top = self._figures[name].update(pose, shifts[name], about)
                 self._captions[name].rise(max(top, feet[name][:, 2].max()), dt)
             self._update_contacts(tick, np.concatenate([feet["reference"], feet["robot"]]))
             # The floor passes under the simulated robot; its pattern repeats every section.
-            floor = -np.mod(ROBOT_COLUMN - shifts["robot"], GRID_SECTION)
+            under = ROBOT_COLUMN - shifts["robot"]
+            floor = -np.mod(-under if away else under, GRID_SECTION)
             self._floor.position = (float(floor[0]), float(floor[1]), 0.0)
         self._server.flush()
 

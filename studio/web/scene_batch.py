@@ -10,7 +10,7 @@ import viser
 from numpy.typing import ArrayLike, NDArray
 from viser import _messages
 
-from studio.web.figures import Mesh
+from studio.web.shapes import Mesh
 
 HIDDEN = 1e-4
 """Scale of what is not to be seen (zero would leave normals undefined)."""

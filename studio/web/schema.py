@@ -4,9 +4,13 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from studio.web.answers import StateMessage, TickMessage
+from studio.web.answers import StateMessage
+from studio.web.answers_tick import TickMessage
 
 PARTS = "#/components/schemas/"
+FOREIGN = ("HTTPValidationError", "ValidationError")
+"""FastAPI's own idea of a refusal, which it notes wherever something is asked; ours are declared
+with each route (`answers`)."""
 
 
 def with_messages(schema: dict[str, Any]) -> dict[str, Any]:
@@ -22,6 +26,11 @@ def with_messages(schema: dict[str, Any]) -> dict[str, Any]:
     parts = schema["components"]["schemas"]
     parts |= found["$defs"]
     routes = [route for path in schema["paths"].values() for route in path.values()]
+    for name in FOREIGN:
+        parts.pop(name, None)
+    for route in routes:
+        if FOREIGN[0] in str(route["responses"].get("422")):
+            del route["responses"]["422"]
     asked = _named([route.get("requestBody") for route in routes], parts)
     for name in parts.keys() - asked:
         part = parts[name]

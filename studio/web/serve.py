@@ -25,14 +25,14 @@ from studio.live.runtime import RuntimeConfig
 from studio.options import ServeConfig
 from studio.takes.export import adding
 from studio.web.access import EVERYWHERE, LOOPBACK_HOSTS, AccessConfig, checked_names, page_url
-from studio.web.desk import ControlDesk
-from studio.web.doors import FairSocket, TimelyHttp, room_for_connections
+from studio.web.client_limits import LimitedHttp, LimitedWebSocket, room_for_connections
 from studio.web.feed import TickFeed
 from studio.web.gateway import create_app
+from studio.web.guarded_viser import GuardedViser
 from studio.web.hub import Hub
-from studio.web.inner import InnerViser
-from studio.web.keeper import Keeper
+from studio.web.page_control import PageControl
 from studio.web.scene import StudioScene
+from studio.web.supervisor import Supervisor
 from studio.web.tokens import checked_token, kept_token
 from studio.web.view import View
 
@@ -116,17 +116,18 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
         )
         scratch = stack.enter_context(scratch_folder(SCRATCH))
         loop = LiveLoop(runtime)
-        inner = InnerViser()
+        inner = GuardedViser()
         stack.callback(inner.stop)
-        view, feed = View(StudioScene(inner.server), loop.ticks), TickFeed(loop.ticks)
+        scene = StudioScene(inner.server, lambda: loop.runtime.puppeteer.config.mirror)
+        view, feed = View(scene, loop.ticks), TickFeed(loop.ticks)
         stack.callback(view.stop)
-        keeper = Keeper(loop, {"view": view, "feed": feed})
+        supervisor = Supervisor(loop, {"view": view, "feed": feed})
         hub = Hub(
             loop=loop,
             access=access,
-            desk=ControlDesk(loop.post, loop.beat, loop.silent),
+            control=PageControl(loop.post, loop.beat, loop.silent),
             feed=feed,
-            keeper=keeper,
+            supervisor=supervisor,
             sessions=sessions,
             scratch=scratch,
         )
@@ -135,23 +136,23 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
         loop.start()
         stack.callback(loop.stop)
         view.start()
-        keeper.start()
-        stack.callback(keeper.stop)
+        supervisor.start()
+        stack.callback(supervisor.stop)
         if config.host not in LOOPBACK_HOSTS:
             log.warning("%s", exposure(access))
         yield server, listener, page_url(access)
 
 
 def _uvicorn(app: ASGIApp, tls: dict[str, Any]) -> uvicorn.Config:
-    TimelyHttp.most = room_for_connections()
+    LimitedHttp.most = room_for_connections()
     return uvicorn.Config(
         app,
         log_level="warning",
         access_log=False,
-        # These, and no other that may be installed: `doors` builds on them.
+        # These, and no other that may be installed: `client_limits` builds on them.
         loop="asyncio",
-        http=TimelyHttp,
-        ws=FairSocket,
+        http=LimitedHttp,
+        ws=LimitedWebSocket,
         ws_max_size=MAX_SOCKET_MESSAGE,
         ws_per_message_deflate=False,
         ws_ping_interval=20.0,
@@ -187,7 +188,10 @@ def exposure(access: AccessConfig) -> str:
         if access.secure
         else "NOT encrypted (--cert, --key): token, takes and camera can be read on the way"
     )
-    names = ", ".join(sorted(access.hosts - LOOPBACK_HOSTS - EVERYWHERE)) or "nothing"
+    names = (
+        ", ".join(sorted(access.hosts - LOOPBACK_HOSTS - EVERYWHERE))
+        or "this machine's own names only"
+    )
     return (
         f"listening on {where}; {how}. Whoever has the token drives the robot, and reads, changes "
         f"and deletes takes. Answering to {names} (add names with --allow-host)"

@@ -12,12 +12,10 @@ from starlette.websockets import WebSocketDisconnect
 from studio.errors import StudioError
 from studio.live.commands import Stop
 from studio.web.hub import Hub
+from studio.web.page_messages import MAX_KEYS, StopSaid, page_message
 
 log = logging.getLogger(__name__)
 STATE_HZ = 10.0
-MAX_KEYS = 16
-MAX_MESSAGE = 4096
-"""Bytes of a page's message: what is larger is not read."""
 GONE = (WebSocketDisconnect, RuntimeError)
 """What sending to, or reading from, a closed socket raises."""
 
@@ -39,7 +37,7 @@ def sockets_router(hub: Hub) -> APIRouter:
                 raw = message.get("text") or message.get("bytes") or b""
                 error = take_frame(hub, raw)
                 if error:
-                    await ws.send_json({"error": error})
+                    await _send(ws, {"error": error})
 
     @router.websocket("/api/ticks")
     async def ticks(ws: WebSocket) -> None:
@@ -62,7 +60,7 @@ def sockets_router(hub: Hub) -> APIRouter:
     async def control(ws: WebSocket) -> None:
         """A page's own socket: heartbeats and stops in, the state ten times a second out."""
         await ws.accept()
-        page = hub.desk.join()
+        page = hub.control.join()
         sender = asyncio.create_task(_send_state(ws, hub, page.name))
         try:
             while True:
@@ -70,13 +68,11 @@ def sockets_router(hub: Hub) -> APIRouter:
                 if message["type"] == "websocket.disconnect":
                     return
                 said = message.get("text") or message.get("bytes") or b""
-                answer = await page_message(hub, page.name, said)
-                if answer is not None:
-                    await ws.send_json(answer)
+                await answer(hub, ws, page.name, said)
         except GONE:
             pass
         finally:
-            hub.desk.leave(page.name)
+            hub.control.leave(page.name)
             sender.cancel()
 
     return router
@@ -91,40 +87,41 @@ def take_frame(hub: Hub, raw: str | bytes) -> str:
     return ""
 
 
-async def page_message(hub: Hub, page: str, said: str | bytes) -> dict[str, Any] | None:
-    """Act on one message of a page; an answer, or None. Nonsense is answered, never fatal.
-
-    A stop is acknowledged with the `number` it came with and `stops`, how many there were by then;
-    its sender has to be alarmed where that fails to come.
-    """
-    if len(said) > MAX_MESSAGE:
-        return {"type": "error", "error": f"a message has at most {MAX_MESSAGE} bytes"}
+async def answer(hub: Hub, ws: WebSocket, page: str, said: str | bytes) -> None:
+    """Act on one message of a page and answer it. Nonsense is answered, never fatal."""
     try:
-        message = json.loads(said)
-        kind = message["type"]
-        if kind == "stop":
-            number = message.get("number")
-            result = await hub.submit(Stop(by=page))
-            return {
-                "type": "stopped",
-                "number": number if isinstance(number, int) else None,
-                "stops": result.state.get("stops"),
-                "ok": result.ok,
-                "why": result.why,
-            }
-        if kind == "beat":
-            keys = frozenset(str(k)[:16] for k in list(message.get("keys", []))[:MAX_KEYS])
-            hub.desk.beat(
-                page,
-                visible=bool(message.get("visible", True)),
-                keys=keys,
-                round_trip_ms=float(message.get("round_trip_ms", 0.0)),
-            )
-            hub.drive(page, keys)
-            return {"type": "beat", "sent": message.get("sent")}
-    except (ValueError, TypeError, KeyError, RecursionError):
-        return {"type": "error", "error": 'send {"type": "beat"} or {"type": "stop"}'}
-    return {"type": "error", "error": f"unknown type {str(kind)[:32]!r}; known: beat, stop"}
+        message = page_message(said)
+    except StudioError as error:
+        await _send(ws, {"type": "error", "error": str(error)})
+        return
+    if isinstance(message, StopSaid):
+        with hub.stop_order.under_way() as leaves:
+            answered = await stopped(hub, page, message)
+            leaves()
+            await _send(ws, answered)
+        return
+    keys = frozenset(key[:16] for key in message.keys[:MAX_KEYS])
+    hub.control.beat(page, visible=message.visible, keys=keys, round_trip_ms=message.round_trip_ms)
+    hub.drive(page, keys)
+    await _send(ws, {"type": "beat", "sent": message.sent})
+
+
+async def stopped(hub: Hub, page: str, message: StopSaid) -> dict[str, Any]:
+    """Stop, and acknowledge it with the `number` it came with and `stops`, how many there were by
+    then; its sender has to be alarmed where that fails to come."""
+    result = await hub.submit(Stop(by=page))
+    return {
+        "type": "stopped",
+        "number": message.told,
+        "stops": result.state.get("stops"),
+        "ok": result.ok,
+        "why": result.why,
+    }
+
+
+async def _send(ws: WebSocket, message: dict[str, Any]) -> None:
+    # In ASCII: what a sender is told of its own words may be no text in UTF-8.
+    await ws.send_text(json.dumps(message, allow_nan=False))
 
 
 async def _send_state(ws: WebSocket, hub: Hub, page: str) -> None:

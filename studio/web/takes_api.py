@@ -7,29 +7,29 @@ from typing import Any
 import msgspec
 from fastapi import APIRouter
 from fastapi.responses import FileResponse, Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field, StrictBool
 from starlette.background import BackgroundTask
 
+from studio.live.command import Body
 from studio.takes.export.formats import export_file as export_take
 from studio.takes.listing import TakeInfo
 from studio.takes.session_library import SessionLibrary
-from studio.web.answers import answers
+from studio.web.answers import answers, refusing
 from studio.web.answers_takes import Deleted
 from studio.web.hub import Hub, OffThread
 from studio.web.import_api import import_router
 
 
-class EditBody(BaseModel):
+class EditBody(Body):
     """Any of a take's edits; what is left out stays."""
 
-    model_config = ConfigDict(extra="forbid")
     label: str | None = Field(default=None, max_length=120)
     note: str | None = Field(default=None, max_length=4000)
     trim: tuple[float, float] | None = None
     lag: float | None = Field(default=None, allow_inf_nan=False)
     warp: list[tuple[float, float]] | None = None
     cuts: list[tuple[float, float]] | None = None
-    keep: bool | None = None
+    keep: StrictBool | None = None
     score: float | None = Field(default=None, allow_inf_nan=False)
 
 
@@ -48,38 +48,38 @@ def takes_router(hub: Hub) -> APIRouter:
         found = await off_thread(lambda: msgspec.json.encode(library.list()), status=500)
         return Response(found, media_type="application/json")
 
-    @router.get("/{name}", **answers(TakeInfo))
+    @router.get("/{name}", **answers(TakeInfo, 404))
     async def one(name: str) -> dict[str, Any]:
         """One take."""
         return (await off_thread(library.info, name)).as_dict()
 
-    @router.patch("/{name}", **answers(TakeInfo))
+    @router.patch("/{name}", **answers(TakeInfo, 404, 422))
     async def edit(name: str, body: EditBody) -> dict[str, Any]:
         """Label, note, trim, lag, keep, score. The tape itself is never touched."""
         changes = body.model_dump(exclude_unset=True)
         await off_thread(library.folder, name)
         return (await off_thread(library.edit, name, status=422, **changes)).as_dict()
 
-    @router.delete("/{name}", **answers(Deleted))
+    @router.delete("/{name}", **answers(Deleted, 404, 409))
     async def delete(name: str) -> dict[str, Any]:
         """Into the bin."""
         await off_thread(library.folder, name)
         await off_thread(library.delete, name, status=409)
         return {"name": name, "deleted": True}
 
-    @router.post("/{name}/undo", **answers(TakeInfo))
+    @router.post("/{name}/undo", **answers(TakeInfo, 404, 409))
     async def undo(name: str) -> dict[str, Any]:
         """Take the last edit back."""
         await off_thread(library.folder, name)
         return (await off_thread(library.undo, name, status=409)).as_dict()
 
-    @router.post("/{name}/redo", **answers(TakeInfo))
+    @router.post("/{name}/redo", **answers(TakeInfo, 404, 409))
     async def redo(name: str) -> dict[str, Any]:
         """Do it again."""
         await off_thread(library.folder, name)
         return (await off_thread(library.redo, name, status=409)).as_dict()
 
-    @router.get("/{name}/export")
+    @router.get("/{name}/export", responses=refusing(404, 422))
     async def export(name: str, format: str = "npz") -> FileResponse:
         """A file: jsonl, bvh (the person), npz, csv (both), pairs, hdf5, lerobot (zip), html."""
         take = await off_thread(library.read, name)

@@ -4,12 +4,13 @@ from datetime import datetime
 from typing import Any, Literal
 
 from fastapi import APIRouter
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field, StrictBool
 
 from studio.errors import StudioError
+from studio.live.command import Body
 from studio.live.mappers import list_mappers, mapper_folder
+from studio.options import STYLES
 from studio.reference.intent import STATES
-from studio.retarget.store import STYLES
 from studio.takes.as_json import plain
 from studio.takes.dataset import datasets
 from studio.takes.session_library import SessionLibrary
@@ -19,18 +20,17 @@ from studio.web.hub import Hub, OffThread
 from studio.web.train_jobs import TrainJobs
 
 
-class TrainBody(BaseModel):
+class TrainBody(Body):
     """Which takes, or which data set version; which states and style. start: go on from the
     shipped experts, or from scratch."""
 
-    model_config = ConfigDict(extra="forbid")
     takes: list[str] = Field(default=[], max_length=10_000)
     dataset: str | None = Field(default=None, max_length=120)
     states: list[str] = Field(default=list(STATES), min_length=1)
     style: str = "march"
     name: str | None = Field(default=None, max_length=120)
     start: Literal["shipped", "scratch"] = "shipped"
-    mirror: bool = True
+    mirror: StrictBool = True
     steps: int = Field(default=0, ge=0, le=100_000)
 
 
@@ -65,30 +65,30 @@ def train_router(hub: Hub) -> APIRouter:
         options += ["--start", body.start, "--steps", str(body.steps)]
         return name, [*options, "--mirror" if body.mirror else "--no-mirror"]
 
-    @router.post("/train", **answers(Training))
+    @router.post("/train", **answers(Training, 409, 422))
     async def train(body: TrainBody) -> dict[str, Any]:
         """Train a mapper in a process of its own; watch it with GET."""
         name, options = await off_thread(lambda: checked(body), status=422)
         return plain((await off_thread(lambda: jobs.start(name, options))).as_dict())
 
-    @router.get("/train", **answers(Training | None))
+    @router.get("/train", **answers(Training | None, 409))
     async def progress() -> dict[str, Any] | None:
         """The last training: status, curves, held-out scores; null before the first."""
         job = jobs.job
         return None if job is None else plain(await off_thread(job.as_dict))
 
-    @router.post("/train/cancel", **answers(Training))
+    @router.post("/train/cancel", **answers(Training, 409))
     async def cancel() -> dict[str, Any]:
         """End it; nothing is kept of it."""
         return plain((await off_thread(jobs.cancel)).as_dict())
 
-    @router.get("/datasets", **answers(list[DataSet]))
+    @router.get("/datasets", **answers(list[DataSet], 409))
     async def data_sets() -> list[dict[str, Any]]:
         """Every data set version: what it was made from, and how many pairs it holds."""
         found = await off_thread(lambda: datasets.versions(hub.sessions))
         return plain([{k: v for k, v in m.items() if k != "statistics"} for m in found])
 
-    @router.get("/mappers", **answers(list[TrainedMapper]))
+    @router.get("/mappers", **answers(list[TrainedMapper], 409))
     async def mappers() -> list[dict[str, Any]]:
         """Every mapper trained here, with its data, settings and scores."""
         return plain(await off_thread(lambda: list_mappers(hub.sessions)))

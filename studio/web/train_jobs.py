@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from studio.errors import StudioError
-from studio.training import leash
+from studio.training import parent_watch
 
 MOST_POINTS = 300
 """Points of a loss curve sent to a page; longer ones are thinned."""
@@ -113,7 +113,7 @@ class TrainJobs:
                     stderr=file,
                     # Held open by us alone: closed by the system when we end, even by kill −9.
                     stdin=subprocess.PIPE,
-                    env={**os.environ, "OMP_NUM_THREADS": "1", leash.VARIABLE: "1"},
+                    env={**os.environ, "OMP_NUM_THREADS": "1", parent_watch.VARIABLE: "1"},
                     # The loop comes first: training takes what is left.
                     preexec_fn=lambda: os.nice(10),
                 )

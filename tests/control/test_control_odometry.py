@@ -19,6 +19,7 @@ from studio.control.observation import (
 from studio.control.observation_frame import roll_pitch
 from studio.errors import StudioError
 from studio.evaluation.scripted import record
+from studio.geometry import turn_xy
 from studio.reference import gait
 from studio.reference.marching import Bout, march_track
 from studio.robot import a1, kinematics
@@ -51,9 +52,9 @@ def test_a_trunk_that_moves_over_planted_feet_is_seen_to_move() -> None:
     planted = rng.standard_normal((5, 4, 3))
     turn, way = rng.uniform(-0.2, 0.2, 5), rng.standard_normal((5, 2))
     # Before: trunk at the origin, heading 0. Now: moved by `way` (in the new heading) and turned.
-    gone = odometry.turned(way, turn)
+    gone = turn_xy(way, turn)
     now = planted.copy()
-    now[..., :2] = odometry.turned(planted[..., :2] - gone[:, None], -turn)
+    now[..., :2] = turn_xy(planted[..., :2] - gone[:, None], -turn[:, None])
     stands = np.tile([1.0, 0.0, 1.0, 0.0], (5, 1))
     now[:, 1] += 0.3  # a swinging foot says nothing
     np.testing.assert_allclose(odometry.displacement(planted, now, turn, stands), way, atol=1e-12)
@@ -118,7 +119,7 @@ def test_legs_tell_how_far_the_simulated_robot_walks() -> None:
             odometry.displacement(at[:-1], at[1:], turn, stood[:-1] * stood[1:])[:, 0].sum()
         )
 
-    true = odometry.turned(np.diff(pos[:, :2], axis=0), -geometry.heading(quat)[1:])[:, 0].sum()
+    true = turn_xy(np.diff(pos[:, :2], axis=0), -geometry.heading(quat)[1:])[:, 0].sum()
     assert true > 1.2
     assert way(odometry.footholds) == pytest.approx(true, rel=0.03)
     assert way(odometry.level_feet) < 0.96 * true  # what fixed centres would miss

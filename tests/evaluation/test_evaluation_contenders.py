@@ -11,7 +11,7 @@ from studio.evaluation import ablation, kicks, transitions
 from studio.evaluation.ablation import CONSISTENCY, run_ablation
 from studio.evaluation.contenders import contender, trained
 from studio.evaluation.kicks import run_kicks
-from studio.evaluation.transitions import crossings_from, in_charge, run_transitions
+from studio.evaluation.transitions import in_charge, run_transitions, transitions_from
 from studio.reference.intent import STATES
 from studio.rl.bank import build_bank
 from studio.rl.env_config import EnvConfig
@@ -23,7 +23,7 @@ from studio.training.recipes import Recipe
 from studio.training.stages import stages_of
 from studio.training.variants import VARIANTS, publish, weights
 
-TINY = {"num_envs": 4, "threads": 1, "motions_per_task": 1, "crossings": 0, "people": 0}
+TINY = {"num_envs": 4, "threads": 1, "motions_per_task": 1, "transitions": 0, "people": 0}
 
 
 def save_untrained(path: Path, state: str, **settings: object) -> None:
@@ -145,7 +145,7 @@ def test_the_ablation_switches_consistency_off_at_test_time(tmp_path: Path) -> N
 
 
 def test_crossings_are_judged_from_their_first_frame() -> None:
-    bank = crossings_from("sit")("stand", 2, 3)
+    bank = transitions_from("sit")("stand", 2, 3)
     assert (len(bank), bank.frames, bank.tasks) == (2, 301, ("from_sit",))
     assert bank.leg_contact
     assert EnvConfig().leg_contact is None

@@ -8,8 +8,9 @@ import pytest
 
 from studio.control.staleness import stale_command
 from studio.errors import StudioError
-from studio.evaluation.drive import DriveConfig, run_drive
+from studio.evaluation.drive import run_drive
 from studio.evaluation.drive_report import DriveReport, tilt_against_feet
+from studio.options import DriveConfig
 from studio.reference.stances import NEUTRAL, tilted
 from studio.robot import a1, kinematics
 from studio.synthetic.operator import OperatorSource
@@ -110,7 +111,7 @@ def test_a_recorded_drive_can_be_driven_again_from_its_take(tmp_path):
 
 
 def test_a_fall_ends_the_drive_and_is_no_error(monkeypatch):
-    from studio.control.trackers import PdPlayback
+    from studio.control.controllers import PdPlayback
 
     collapse = np.tile([0.0, 2.5, -2.6], 4)
     monkeypatch.setattr(PdPlayback, "act", lambda self, *_: collapse)

@@ -7,19 +7,19 @@ import numpy as np
 import pytest
 
 from studio import geometry
-from studio.control.trackers import Tracker, TrackerInput
+from studio.control.controllers import Controller, ControllerInput
 from studio.errors import StudioError
 from studio.evaluation import endurance as en
-from studio.evaluation import minutes
-from studio.evaluation.minutes import Sensed
+from studio.evaluation import long_drive
+from studio.evaluation.long_drive import Sensed
 from studio.rl.noise import NoiseConfig
 from studio.sim.world import World
 from studio.synthetic.impaired import BRISK, IMPAIRMENTS, Impaired, Impairment, sent_by
 from studio.synthetic.operator import OperatorSource
 
 DT = 1.0 / 30.0
-PEOPLE_WHO_FELL = (101, 114, 116)
-"""Seeds of operators under whom walking that made up for its place fell within half a minute."""
+PEOPLE_WHO_FELL = (101, 114, 116, 118)
+"""Seeds of operators under whom policies of walking before the shipped one fell early."""
 
 
 def test_the_interval_is_poissons():
@@ -32,17 +32,17 @@ def test_the_interval_is_poissons():
 
 
 def test_a_window_of_walking_tells_what_was_asked_and_the_way_made():
-    steps = [(True, 0.5, np.array([0.4 * k * DT, 0.0])) for k in range(2 * minutes.WINDOW + 1)]
-    asked, made = minutes._windows(steps)
+    steps = [(True, 0.5, np.array([0.4 * k * DT, 0.0])) for k in range(2 * long_drive.WINDOW + 1)]
+    asked, made = long_drive._windows(steps)
     assert asked == pytest.approx((0.5, 0.5))
     assert made == pytest.approx((0.4, 0.4))
     steps[5] = (False, 0.5, steps[5][2])  # a stand in between: that window is no walk
-    assert len(minutes._windows(steps)[0]) == 1
+    assert len(long_drive._windows(steps)[0]) == 1
 
 
 def test_a_person_walks_for_a_while_and_the_row_says_how_fast():
-    case = minutes.Case(source="operator:walk", seconds=12.0)
-    row = en.row(case, [minutes.endure(case, 101)], 0)
+    case = long_drive.Case(source="operator:walk", seconds=12.0)
+    row = en.row(case, [long_drive.endure(case, 101)], 0)
     assert (row["falls"], row["seconds"]) == (0, 12.0)
     assert row["mean_time_between_falls_s"] is None
     low, high = row["falls_per_hour_ci"]
@@ -54,31 +54,27 @@ def test_a_person_walks_for_a_while_and_the_row_says_how_fast():
 
 @pytest.mark.slow
 def test_who_falls_lies_for_three_seconds_is_stood_up_and_goes_on():
-    case = minutes.Case(
+    case = long_drive.Case(
         source="operator:walk", controller="pd_playback", dynamics="table_i", seconds=40.0
     )
-    runs = [minutes.endure(case, 100 + k) for k in range(6)]
+    runs = [long_drive.endure(case, 100 + k) for k in range(6)]
     falls = [t for run in runs for t in run.falls]
     assert len(falls) >= 2  # PD playback does not walk long on such robots
     again = [b - a for run in runs for a, b in zip(run.falls, run.falls[1:])]
-    assert all(gap > minutes.LIE_S for gap in again)
+    assert all(gap > long_drive.LIE_S for gap in again)
     row = en.row(case, runs, 0)
     assert row["seconds"] == pytest.approx(240.0 - 3.0 * len(falls))
 
 
 @pytest.mark.slow
-def test_walking_stays_up_where_it_fell_when_it_made_up_for_its_place():
-    def falls(holds: str) -> int:
-        case = minutes.Case(source="operator:walk", holds=holds, seconds=32.0)
-        return sum(len(minutes.endure(case, person).falls) for person in PEOPLE_WHO_FELL)
-
-    assert falls("heading and place") > 0
-    assert falls("shipped") == 0
+def test_walking_stays_up_under_people_who_felled_it_once():
+    case = long_drive.Case(source="operator:walk", seconds=32.0)
+    assert [long_drive.endure(case, person).falls for person in PEOPLE_WHO_FELL] == [(), (), (), ()]
 
 
 def test_somebody_brisk_walks_faster_than_most():
-    case = minutes.Case(source=BRISK, seconds=12.0)
-    row = en.row(case, [minutes.endure(case, 101)], 0)
+    case = long_drive.Case(source=BRISK, seconds=12.0)
+    row = en.row(case, [long_drive.endure(case, 101)], 0)
     assert row["speed_asked_m_s"] > 0.5
 
 
@@ -94,21 +90,21 @@ def test_a_table_that_was_cut_off_goes_on_where_it_stopped(tmp_path: Path):
     assert en.run_endurance(other, cache=tmp_path)["rows"][0]["falls"] == 0
 
 
-class Feeling(Tracker):
+class Feeling(Controller):
     """Keeps what it is told of the robot."""
 
     name = "feeling"
 
     def __init__(self) -> None:
-        self.felt: list[TrackerInput] = []
+        self.felt: list[ControllerInput] = []
 
-    def act(self, now: TrackerInput) -> np.ndarray:
+    def act(self, now: ControllerInput) -> np.ndarray:
         self.felt.append(now)
         return now.reference.joint_pos
 
 
 def test_cheap_sensors_have_a_bias_of_their_own_and_noise():
-    now = TrackerInput(reference=World().state, robot=World().state, state="stand")  # type: ignore[arg-type]
+    now = ControllerInput(reference=World().state, robot=World().state, state="stand")  # type: ignore[arg-type]
     noise = NoiseConfig()
 
     def felt(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -98,6 +98,8 @@ def test_the_table_of_several_seeds_has_a_line_per_state_and_case():
 
 
 @pytest.mark.slow
+@pytest.mark.long
+@pytest.mark.timeout(900)  # it fits many mappers
 def test_more_pairs_map_better_and_the_shipped_experts_beat_the_baselines_on_strangers():
     options = Options(
         episodes=6, train_seconds=120.0, steps=400, sizes=SIZES[::2], states=("stand", "walk")

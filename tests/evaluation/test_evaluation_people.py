@@ -8,10 +8,8 @@ import pytest
 
 from studio.errors import StudioError
 from studio.evaluation.people import (
-    GOAL_DROP,
     GOAL_EACH,
     GOAL_OVERALL,
-    GOAL_PAW,
     Options,
     frame_labels,
     run_people,
@@ -19,6 +17,11 @@ from studio.evaluation.people import (
 from studio.reference.library import TASKS
 from studio.synthetic import Person, perform
 from studio.takes.export.bvh import write_bvh
+
+PAW_M = 0.12
+"""Above the floor: what a paw comes to in a full arm raise."""
+DROP_M = 0.04
+"""What the base goes down in a squat that is not taken for a sit."""
 
 
 @pytest.fixture(scope="module")
@@ -101,10 +104,10 @@ def test_real_people_tilt_lift_and_squat_the_robot(table: dict[str, dict]):
     assert table["cmu_13_29_toe_touch_bend.bvh"]["tilt_deg"]["pitch"][1] > 10.0
     for name in ("cmu_13_29_arm_circles.bvh", "kinect_m07_arm_abduction.jsonl"):
         paws = table[name]["paw_height_m"]
-        assert max(paws["FR"][1], paws["FL"][1]) >= GOAL_PAW, name
+        assert max(paws["FR"][1], paws["FL"][1]) >= PAW_M, name
     for name in ("cmu_13_29_squats.bvh", "kinect_m01_deep_squat.jsonl"):
         row = table[name]
-        assert row["base_drop_m"] >= GOAL_DROP or row["expert_share"]["sit"] > 0.2, name
+        assert row["base_drop_m"] >= DROP_M or row["expert_share"]["sit"] > 0.2, name
     march = table["cmu_13_29_march_in_place.bvh"]
     assert march["reference"]["distance_m"] > 0.5
     assert sum(row["survived"] for row in table.values()) >= len(table) - 1

@@ -11,9 +11,10 @@ import pytest
 from bvh_writer import NAMES, Layout, Names, write
 
 from studio.control.staleness import stale_command
-from studio.evaluation.drive import DriveConfig, run_drive
+from studio.evaluation.drive import run_drive
 from studio.human.pose import HumanPose
 from studio.human.skeleton import JOINTS, NEUTRAL
+from studio.options import DriveConfig
 from studio.sources import Source, SourceEnded
 
 MARCH = Layout(seconds=4.0)

@@ -2,27 +2,33 @@
 
 import inspect
 import json
-from dataclasses import fields, is_dataclass
+from dataclasses import fields
 from pathlib import Path
-from typing import get_type_hints
+from typing import Any, get_type_hints
 
 import pytest
 
 from studio.errors import StudioError
-from studio.evaluation.options import AllOptions
+from studio.evaluation.options import AllOptions, TableOptions
 from studio.evaluation.registry import OF_CLIPS, TABLES, run_table, table
 
 
 @pytest.mark.parametrize("name", TABLES)
 def test_a_table_is_run_with_its_own_options_and_nothing_else(name: str) -> None:
     found = table(name)
-    assert is_dataclass(found.options)
+    assert issubclass(found.options, TableOptions)  # seed, episodes: what the contract promises
     first, *others = inspect.signature(found.run).parameters.values()
     assert issubclass(get_type_hints(found.run)[first.name], found.options)
     assert all(p.kind is p.KEYWORD_ONLY and p.default is not p.empty for p in others)
-    assert {"seed", "episodes"} <= set(found.takes)  # the contract with outside programs
     needed = [f.name for f in fields(found.options) if f.default is f.default_factory]
     assert needed == (["clips"] if name in OF_CLIPS else [])
+
+
+@pytest.mark.parametrize("name", [*TABLES, "all"])
+def test_no_table_is_made_of_no_episodes(name: str) -> None:
+    needed: Any = {"clips": Path("clips")} if name in OF_CLIPS else {}
+    with pytest.raises(StudioError, match="at least 1"):
+        table(name).options(episodes=0, **needed)
 
 
 def test_what_all_takes_some_table_has() -> None:

@@ -11,8 +11,8 @@ from studio.evaluation.styles import (
     row,
     run_styles,
 )
+from studio.options import STYLES
 from studio.reference import gait
-from studio.retarget.store import STYLES
 from studio.synthetic.impaired import walking
 
 
@@ -54,6 +54,7 @@ def test_what_is_asked_for_means_that_speed(speed):
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_every_style_walks_and_turns_both_ways_in_physics():
     rows = run_styles(Options(episodes=1))["rows"]
     assert [r["case"] for r in rows] == [f"{s}, {c.name}" for s in STYLES for c in CASES]

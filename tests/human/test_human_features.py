@@ -146,6 +146,30 @@ def test_a_lost_person_is_held_for_half_a_second_and_then_eases_to_neutral():
         assert extractor.push(standing()).unseen == 0.0
 
 
+def test_a_march_goes_on_as_it_went_while_its_frames_are_lost():
+    """As the puppeteer says it: the last pose comes again and again."""
+
+    def marching(k: int) -> HumanPose:
+        up = np.sin(2.0 * np.pi * k / 30.0)
+        d = NEUTRAL_DIRECTION.copy()
+        for side, lift in (("l", max(up, 0.0)), ("r", max(-up, 0.0))):
+            d[INDEX[f"{side}_knee"] - 1] = [np.sin(lift), 0.0, -np.cos(lift)]
+        return standing(CHAIN @ (d * BONE_LENGTH[:, None]))
+
+    seen, lost = FeatureExtractor(), FeatureExtractor()
+    for k in range(95):
+        seen.push(marching(k))
+        lost.push(last := marching(k))
+    knees = [FEATURE_NAMES.index(f"{side}_knee.x") for side in "lr"]
+    there = np.array([seen.push(marching(95 + k)).q[knees] for k in range(15)])
+    guessed = np.array([lost.push(last).q[knees] for _ in range(15)])
+    assert np.ptp(there, axis=0).max() > 0.2
+    assert np.abs(guessed - there).max() < 0.02
+    still = FeatureExtractor()
+    held = np.array([still.push(last).q for _ in range(60)])
+    assert held == pytest.approx(np.tile(held[0], (60, 1)))  # who does not march stays
+
+
 def test_an_unseen_wrist_is_held_while_the_rest_moves():
     extractor = FeatureExtractor()
     for _ in range(30):

@@ -6,11 +6,11 @@ import pytest
 from studio.errors import StudioError
 from studio.live.collect_stages import COUNTDOWN_S, HANDS_FREE_REVIEW_S, Collect, CollectPlan
 from studio.live.collecting import draw_slots
-from studio.live.shown import QUIET_S, PlanItem, draw_motion
+from studio.live.shown_motion import QUIET_S, PlanItem, draw_motion
 from studio.reference.check import check
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
-from studio.reference.rests import beats, between_rests
+from studio.reference.rest_padding import beats, between_rests
 from studio.reference.stances import NEUTRAL
 
 DT = 1.0 / 30.0

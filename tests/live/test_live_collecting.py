@@ -9,17 +9,28 @@ import pytest
 from fake_clock import FakeClock
 from turning import DT, ask, run
 
+from studio.human.pose import HumanClip
+from studio.human.skeleton import NEUTRAL
 from studio.live import commands as c
-from studio.live.commands.takes import in_words
 from studio.live.loop import LiveLoop
 from studio.live.runtime import Runtime, RuntimeConfig
-from studio.live.shown import PlanItem
-from studio.synthetic.operator import OperatorSource
+from studio.live.shown_motion import PlanItem
+from studio.mocap.clip_source import ClipSource
+from studio.mocap.stream import StreamSource
+from studio.synthetic.impaired import IMPAIRMENTS, Impaired
+from studio.synthetic.operator import InteractiveOperator, OperatorSource
 from studio.takes.align import lag
 from studio.takes.export.bvh import write_bvh
 from studio.takes.record.tape import TapeWriter
 from studio.takes.session_library import SessionLibrary
 from studio.takes.sessions import SessionBook
+
+STILL = HumanClip(
+    name="still",
+    t=np.arange(2) / 30,
+    joint_pos_w=np.stack([NEUTRAL] * 2),
+    confidence=np.ones((2, 19)),
+)
 
 
 @pytest.fixture
@@ -144,7 +155,7 @@ def test_what_is_shown_does_not_jump_when_the_robot_has_to_hold(loop):
     source = loop.runtime.source
     read, source.read = source.read, lambda t: None  # nobody is seen for a second
     run(loop, 1.0)
-    assert not loop.runtime.puppeteer.controller.following
+    assert not loop.runtime.puppeteer.state_machine.following
     source.read = read
     until(loop, "review")
     name = ask(loop, c.CollectAction(action="keep")).data["take"]
@@ -264,18 +275,19 @@ def test_the_clock_of_a_collected_take_starts_anew(loop):
 
 
 @pytest.mark.parametrize(
-    ("spec", "said"),
+    ("source", "said"),
     [
-        ("operator", "operator tour"),
-        ("operator:sit_tilt", "operator sit tilt"),
-        ("operator:interactive", "keyboard"),
-        ("bvh:/tmp/x/1a2b3c4d_brisk_walk.bvh", "bvh brisk walk"),
-        ("frames:kinect.jsonl", "frames kinect"),
-        ("stream", "stream"),
+        (OperatorSource(), "operator tour"),
+        (OperatorSource("sit_tilt"), "operator sit tilt"),
+        (InteractiveOperator(), "keyboard"),
+        (Impaired(InteractiveOperator(), IMPAIRMENTS["kinect"]), "keyboard"),
+        (ClipSource(STILL, "bvh:/tmp/x/brisk_walk.bvh"), "bvh brisk walk"),
+        (ClipSource(STILL, "frames:kinect.jsonl"), "frames kinect"),
+        (StreamSource("webcam"), "webcam"),
     ],
 )
-def test_a_take_without_a_label_is_called_as_its_source_and_motion(spec, said):
-    assert in_words(spec) == said
+def test_a_take_without_a_label_is_called_as_its_source_and_motion(source, said):
+    assert source.label == said
 
 
 def test_a_live_take_says_what_it_is_of(loop):

@@ -8,6 +8,7 @@ import pytest
 from fake_clock import FakeClock
 
 from studio.live import commands as c
+from studio.live.disk_writer import DiskWriter
 from studio.live.faults import AGAIN_S, RECENT_S, Faults
 from studio.live.loop import LiveLoop
 from studio.live.runtime import RuntimeConfig
@@ -71,7 +72,7 @@ def loop(tmp_path):
 
 
 def test_a_policy_that_says_nan_stops_the_robot_and_fills_no_log(loop, caplog):
-    for policy in loop.runtime.puppeteer.tracker._policies.values():
+    for policy in loop.runtime.puppeteer.controller._policies.values():
         policy.layers.weights[0][:] = np.nan
     ticks = loop.ticks.version
     for _ in range(90):
@@ -132,3 +133,12 @@ def test_what_would_release_the_robot_and_was_sent_before_such_a_stop_is_refused
         loop.tick()
     assert [answer.ok for answer in answers] == [False, False]
     assert loop.state_dict()["stopped"]
+
+
+def test_disk_work_that_fails_is_told_of_and_the_next_is_done():
+    disk, done = DiskWriter(), []
+    disk.do(fail)
+    disk.do(lambda: done.append(1))
+    disk.close()
+    assert done == [1]
+    assert "number 0" in disk.problem

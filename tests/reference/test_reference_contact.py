@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from studio.reference.contact import contact_label, contact_labels, smoothstep
+from studio.geometry.time_scaling import smoothstep
+from studio.reference.contact import contact_label, contact_labels
 
 
 def test_corners_of_the_paper():

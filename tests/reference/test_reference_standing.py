@@ -85,8 +85,8 @@ def test_half_a_reach_to_the_left_puts_the_paw_left_of_half_a_reach_to_the_right
 
 
 def test_both_arms_up_leave_both_paws_down_and_one_leading_is_raised():
-    np.testing.assert_array_equal(standing.carried_reach(np.array([[0.8, 0.8]])), 0.0)
-    np.testing.assert_allclose(standing.carried_reach(np.array([[0.9, 0.1]])), [[0.9, 0.0]])
+    np.testing.assert_array_equal(standing.reach_on_three_feet(np.array([[0.8, 0.8]])), 0.0)
+    np.testing.assert_allclose(standing.reach_on_three_feet(np.array([[0.9, 0.1]])), [[0.9, 0.0]])
 
 
 def test_poses_move_continuously_with_the_reach():

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from studio.geometry.time_scaling import minimum_jerk
 from studio.reference import gait
-from studio.reference.keyframes import Goal, keyframe_track, minimum_jerk
+from studio.reference.keyframes import Goal, keyframe_track
 from studio.reference.marching import Bout, march_track
 from studio.reference.realize import realize
 from studio.reference.stances import JOINT_SPEED

@@ -8,11 +8,12 @@ from studio import geometry
 from studio.errors import StudioError
 from studio.human.calibration import calibrate
 from studio.human.features import FEATURE_DIM
+from studio.options import STYLES
 from studio.reference import gait
 from studio.reference.marching import Bout, march_track
 from studio.retarget.experts import EXPERTS
 from studio.retarget.retargeter import Retargeter
-from studio.retarget.store import STYLES, load_experts
+from studio.retarget.store import load_experts
 from studio.robot.a1 import CONTROL_DT, JOINT_LOWER, JOINT_UPPER
 from studio.synthetic import Person, play
 from studio.synthetic import signals as sig

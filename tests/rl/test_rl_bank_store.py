@@ -19,11 +19,11 @@ def same(one: MotionBank, other: MotionBank) -> bool:
     )
 
 
-@pytest.mark.parametrize(("state", "crossings"), [("sit", 0), ("stand", 1)])
+@pytest.mark.parametrize(("state", "transitions"), [("sit", 0), ("stand", 1)])
 def test_a_kept_bank_comes_back_whole(
-    state: str, crossings: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    state: str, transitions: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    told = {**SETTINGS, "crossings": crossings}
+    told = {**SETTINGS, "transitions": transitions}
     drawn = build_bank(state, **told)  # type: ignore[arg-type]
     first = library_bank(tmp_path, state, **told)  # type: ignore[arg-type]
     monkeypatch.setattr(bank_store, "build_bank", None)  # read, not drawn again

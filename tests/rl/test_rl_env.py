@@ -9,7 +9,6 @@ import pytest
 
 from studio import geometry
 from studio.control.observation import ObservationConfig
-from studio.control.odometry import turned
 from studio.control.policy import Policy, manifest_of
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
@@ -310,7 +309,7 @@ def test_a_robot_led_astray_knows_how_far_off_its_way_it_begins(walk: MotionBank
     np.testing.assert_allclose(
         geometry.wrap_angle(env.anchor_yaw - env.yaw), env.history.heading_error, atol=0.02
     )
-    gap = turned(env.anchor_pos - env.world.base_pos[:, :2], -env.yaw)
+    gap = geometry.turn_xy(env.anchor_pos - env.world.base_pos[:, :2], -env.yaw)
     np.testing.assert_allclose(gap, env.history.place_error, atol=1e-9)
     judged = ImitationEnv(replace(config, evaluation=True), walk, seed=0)
     judged.reset()

@@ -41,13 +41,13 @@ def test_support_distance_is_zero_inside_and_grows_outside() -> None:
     point = np.array([[0.0, 0.0], [0.25, 0.0], [0.25, 0.14], [0.1, 0.1]])
     # inside; 5 cm ahead; 5 and 4 cm off a corner; off the edge FR-RL, y = -x/2: (0.1+0.05)/√1.25
     expected = [0.0, 0.05, np.hypot(0.05, 0.04), 0.15 / np.hypot(1.0, 0.5)]
-    assert reward.polygon_distance(point, vertices, used) == pytest.approx(np.array(expected))
+    assert reward.outside_support(point, vertices, used) == pytest.approx(np.array(expected))
 
 
 def test_support_distance_counts_only_where_three_contacts_are_asked_for() -> None:
     vertices = np.array([[[0.2, -0.1], [0.2, 0.1], [-0.2, -0.1], [-0.2, 0.1]]])
     trot = np.array([[True, False, False, True]])
-    assert reward.polygon_distance(np.array([[1.0, 1.0]]), vertices, trot) == 0.0
+    assert reward.outside_support(np.array([[1.0, 1.0]]), vertices, trot) == 0.0
 
 
 def test_the_centre_of_mass_comes_down_along_gravity_seen_from_the_heading() -> None:

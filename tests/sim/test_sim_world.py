@@ -276,7 +276,7 @@ def test_a_robot_carried_elsewhere_goes_on_as_it_would_have(world: World):
         each.push([0.3, 0.1, 0.0])
         each.step(a1.STAND_JOINT_POS)
     before = world.state
-    after = other.carry([3.0, -2.0], 1.5)
+    after = other.move_base([3.0, -2.0], 1.5)
     np.testing.assert_allclose(after.base_pos, [3.0, -2.0, before.base_pos[2]], atol=1e-12)
     assert geometry.heading(after.base_quat) == pytest.approx(1.5)
     turn = geometry.quat_mul(after.base_quat, geometry.quat_conj(before.base_quat))

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from studio.errors import StudioError
+from studio.geometry.time_scaling import smoothstep
 from studio.human.skeleton import BONE_CHILD, BONE_PARENT, INDEX
 from studio.mocap.source import Source
 from studio.reference.intent import Intent, IntentTrack
@@ -35,7 +36,7 @@ def signal_of(seconds: float, **fields: Any) -> np.ndarray:
     """Rest for one second, ease into `fields` within one, and hold them."""
     steps = round(seconds / DT)
     goal = sig.of_intents([Intent(**fields)])[0]
-    ease = sig.smoothstep(np.linspace(-1.0, seconds - 1.0 - DT, steps))[:, None]
+    ease = smoothstep(np.linspace(-1.0, seconds - 1.0 - DT, steps))[:, None]
     signal = ease * goal
     signal[:, [sig.WALK, sig.SIT]] = goal[[sig.WALK, sig.SIT]]
     signal[:, sig.PHASE] = np.cumsum(signal[:, sig.CADENCE]) * DT

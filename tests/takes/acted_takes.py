@@ -15,7 +15,7 @@ from studio.human.pose import HumanPose
 from studio.reference.library import TASKS
 from studio.reference.motion import ReferenceMotion
 from studio.reference.realize import realize
-from studio.reference.rests import between_rests
+from studio.reference.rest_padding import between_rests
 from studio.robot import kinematics
 from studio.robot.pose import RobotState
 from studio.synthetic import Person, play
@@ -52,15 +52,15 @@ def acted_take(
     sensor: str | None = None,
     seconds: float = 8.0,
     lag: float | None = None,
-    fidgets: bool = True,
+    idle_gestures: bool = True,
     difficulty: float | None = None,
     person: Person | None = None,
 ) -> ActedTake:
-    """One take of a task by a new person; fidgets: people also do what nobody asked for."""
+    """One take of a task by a new person; idle_gestures: they also do what nobody asked for."""
     hard = float(rng.uniform(0.3, 1.0)) if difficulty is None else difficulty
     track = between_rests(TASKS[task].sample(rng, seconds, hard), QUIET)
     person = person or Person.sample(rng, family, sensor=sensor)
-    person = person if fidgets else person.still()
+    person = person if idle_gestures else person.still()
     wanted = float(rng.uniform(0.0, 0.8)) if lag is None else lag
     shift = round((wanted - person.delay_s) / DT)
     signal, room = sig.of_track(track), 40

@@ -1,6 +1,7 @@
 """Takes from outside: names that fit, zips that lie, other versions, and what is left behind."""
 
 import json
+import shutil
 import threading
 import zipfile
 from pathlib import Path
@@ -89,6 +90,71 @@ def test_a_zip_that_unpacks_to_too_much_is_refused_before_the_disk_is_full(tmp_p
         archive.unpack_takes(file, tmp_path / "into", most=1_000_000)
     written = sum(p.stat().st_size for p in (tmp_path / "into").rglob("*") if p.is_file())
     assert written <= 1_000_000
+
+
+@pytest.mark.parametrize("member", ["tape.mcap", "edits.jsonl", "meta.json"])
+def test_a_zip_of_zeros_is_refused_before_anything_is_unpacked(tmp_path, take, member, monkeypatch):
+    file = zipped(tmp_path / "zeros.zip", take, "good")
+    with (
+        zipfile.ZipFile(file, "a", zipfile.ZIP_DEFLATED) as out,
+        out.open(f"t/{member}", "w") as zeros,
+    ):
+        for _ in range(100):
+            zeros.write(bytes(1 << 20))
+    with zipfile.ZipFile(file, "a") as out:
+        out.writestr("t/" + ("meta.json" if member == "tape.mcap" else "tape.mcap"), b"{}")
+    monkeypatch.setattr(archive, "_copy", pytest.fail)
+    with pytest.raises(StudioError, match=f"t/{member} unpacks to 100 MB, more than"):
+        import_take(tmp_path / "s", file)
+    assert everything(tmp_path / "s") == set()
+
+
+def test_of_what_is_no_tape_only_the_beginning_is_unpacked(tmp_path, take):
+    file = zipped(tmp_path / "z.zip", take, "good", **{"bad/tape.mcap": bytes(30_000_000)})
+    (tmp_path / "into").mkdir()
+    good, bad = sorted(archive.unpack_takes(file, tmp_path / "into"), key=lambda p: -len(p.name))
+    assert (bad / "tape.mcap").stat().st_size < 100
+    assert len(read_take(good)) == 60
+    assert set(import_take(tmp_path / "s", file)["refused"]) == {"bad"}
+
+
+@pytest.mark.parametrize(
+    "tape", [b"", b"\x89MCAP", b"\x89MCAP0\r\n", b"\x89MCAP0\r\n" + bytes(100)], ids=len
+)
+@pytest.mark.parametrize("meta", [False, True])
+def test_a_take_without_a_tick_is_refused(tmp_path, take, tape, meta):
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    (empty / "tape.mcap").write_bytes(tape)
+    if meta:  # that claims sixty
+        (empty / "meta.json").write_bytes((take / "meta.json").read_bytes())
+    sessions = tmp_path / "s"
+    with pytest.raises(StudioError, match="holds no tick"):
+        import_take(sessions, empty)
+    with pytest.raises(StudioError, match="holds no tick"):
+        import_take(sessions, zipped(tmp_path / "z.zip", empty, "empty"))
+    with pytest.raises(StudioError, match="holds no tick"):
+        import_take(sessions, (empty / "tape.mcap").rename(tmp_path / "one.mcap"))
+    assert not sessions.exists() or everything(sessions) <= {".recording.lock"}
+
+
+def test_a_recording_that_was_stopped_at_once_is_listed_as_damaged(tmp_path):
+    recorder = Recorder(tmp_path)
+    recorder.start(name="nothing")
+    recorder.close()
+    (info,) = SessionLibrary(tmp_path).list()
+    assert "no tick" in info.damaged
+
+
+@pytest.mark.parametrize("name", ["deleted", "datasets", "mappers", "Deleted", "-h", "a/b", ""])
+def test_no_take_has_a_name_that_is_kept_for_something_else(tmp_path, take, name):
+    with pytest.raises(StudioError, match="is no name for a take"):
+        SessionLibrary(tmp_path / "s").add(take, name)
+    if name and "/" not in name:
+        folder = tmp_path / name
+        shutil.copytree(take, folder)
+        (made,) = import_take(tmp_path / "s", zipped(tmp_path / "z.zip", take, name))["takes"]
+        assert made != name
 
 
 def test_what_is_no_zip_of_takes_is_refused_with_what_would_work(tmp_path, take):

@@ -1,6 +1,7 @@
 """A damaged take is read as far as it goes, listed with its reason, and hurts nobody else."""
 
 import os
+import shutil
 import struct
 import zipfile
 import zlib
@@ -173,6 +174,20 @@ def test_a_pipe_in_a_files_place_keeps_nobody_waiting(sessions: Path, name: str)
     assert len(read_take(sessions / "bad")) == 40
 
 
+@pytest.mark.parametrize("known", [True, False])
+def test_a_pipe_in_a_tapes_place_keeps_nobody_waiting(sessions: Path, known: bool):
+    (sessions / "bad" / "tape.mcap").unlink()
+    os.mkfifo(sessions / "bad" / "tape.mcap")
+    if not known:
+        (sessions / "bad" / "meta.json").unlink()
+        bad, _ = SessionLibrary(sessions).list()
+        assert "no regular file" in bad.damaged
+    good_lives(sessions)
+    for read in (read_take, survey_take):
+        with pytest.raises(StudioError, match=r"cannot read tape\.mcap: it is no regular file"):
+            read(sessions / "bad")
+
+
 @pytest.mark.parametrize(
     "meta",
     [
@@ -289,16 +304,18 @@ def test_a_small_tape_does_not_unpack_without_end(sessions: Path):
 
 
 def test_a_zip_that_claims_more_than_the_disk_has_is_refused_before_it_is_unpacked(
-    sessions: Path, tmp_path: Path
+    sessions: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     file = tmp_path / "large.zip"
     with zipfile.ZipFile(file, "w") as packed:
         packed.write(sessions / "good" / "tape.mcap", "good/tape.mcap")
-        packed.filelist[0].file_size = 1 << 60
+        packed.filelist[0].file_size = 60 << 20
+    about = shutil.disk_usage(tmp_path)._replace(free=archive.SPARE + (50 << 20))
+    monkeypatch.setattr(archive.shutil, "disk_usage", lambda _: about)
     into = tmp_path / "into"
     into.mkdir()
     with pytest.raises(StudioError, match="GB are free"):
-        archive.unpack_takes(file, into, most=1 << 62)
+        archive.unpack_takes(file, into, most=1 << 40)
     with pytest.raises(StudioError, match="import fewer"):
         archive.unpack_takes(file, into, most=1 << 20)
     assert list(into.iterdir()) == []

@@ -28,7 +28,7 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("takes")
     rng = np.random.default_rng(1)
     for task in ("tilt", "walk", "sit_manipulate"):
-        acted = acted_take(task, rng, seconds=4.0, lag=0.4, fidgets=False, sensor="mocap")
+        acted = acted_take(task, rng, seconds=4.0, lag=0.4, idle_gestures=False, sensor="mocap")
         record(acted, root, task, keep=True)
     return root
 

@@ -8,7 +8,8 @@ import pytest
 from make_ticks import make_ticks
 
 from studio.errors import StudioError
-from studio.evaluation.drive import DriveConfig, run_drive
+from studio.evaluation.drive import run_drive
+from studio.options import DriveConfig
 from studio.takes.edit.edits import edit
 from studio.takes.export.episodes import episodes, words
 from studio.takes.export.extent import steady_human, tick_range

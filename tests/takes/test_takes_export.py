@@ -23,7 +23,9 @@ from studio.takes import commands
 from studio.takes.dataset import pairs_file
 from studio.takes.dataset.pairs import take_pairs
 from studio.takes.edit import edited
+from studio.takes.edit.edits import edit
 from studio.takes.export import formats as exports
+from studio.takes.export.episodes import episodes
 from studio.takes.record.recorder import Recorder
 from studio.takes.session_library import SessionLibrary
 from studio.takes.take import read_take
@@ -36,7 +38,7 @@ def sessions(tmp_path_factory: pytest.TempPathFactory) -> Path:
     root = tmp_path_factory.mktemp("takes")
     rng = np.random.default_rng(5)
     for task in ("manipulate_left", "walk"):
-        acted = acted_take(task, rng, seconds=3.0, lag=0.4, fidgets=False, sensor="mocap")
+        acted = acted_take(task, rng, seconds=3.0, lag=0.4, idle_gestures=False, sensor="mocap")
         record(acted, root, task, keep=True)
     library = SessionLibrary(root)
     library.edit("manipulate_left", lag=LAG_FRAMES / 30.0, trim=(1.0, 5.0), cuts=[[2.0, 3.0]])
@@ -279,3 +281,24 @@ def test_mcap_export_shows_three_figures_on_one_clock(sessions: Path, tmp_path: 
     assert {"person", "reference", "robot", "robot/FR_calf", "reference/trunk"} <= set(names)
     trunk, base = names["robot/trunk"].translation, take.arrays.robot["base_pos"][start]
     np.testing.assert_allclose([trunk.x, trunk.y, trunk.z], base, atol=1e-9)
+
+
+@pytest.mark.parametrize("ticks", [2, 3, 4, 5, 6, 12])
+def test_hdf5_of_a_few_ticks_holds_a_step_out_and_its_words_end_nowhere(tmp_path, ticks):
+    recorder = Recorder(tmp_path)
+    recorder.start(name="short")
+    for tick in make_ticks(ticks):
+        recorder.append(tick)
+    recorder.close()
+    edit(tmp_path / "short", label="wave\0hello")
+    take = read_take(tmp_path / "short")
+    steps = sum(len(part) for part in episodes(take))
+    if steps < 2:
+        with pytest.raises(StudioError, match="one step"):
+            exports.export(take, "hdf5", tmp_path)
+        return
+    with h5py.File(exports.export(take, "hdf5", tmp_path)) as file:
+        lengths = [len(file[f"data/demo_{k}/actions"]) for k in range(2)]  # type: ignore[arg-type]
+        assert sum(lengths) == steps
+        assert min(lengths) >= 1
+        assert file["data/demo_0"].attrs["label"] == "wavehello"

@@ -49,7 +49,13 @@ def session(seed: int, takes: int):
     person, late = Person.sample(rng, family, sensor=sensor), float(rng.uniform(0.0, 0.8))
     for task in list(rng.permutation(MOVING))[:takes]:
         yield acted_take(
-            str(task), rng, person=person, lag=late, fidgets=False, difficulty=0.7, seconds=8.0
+            str(task),
+            rng,
+            person=person,
+            lag=late,
+            idle_gestures=False,
+            difficulty=0.7,
+            seconds=8.0,
         )
 
 
@@ -82,7 +88,7 @@ def test_the_lag_of_one_take_is_found_within_a_frame_as_often_as_is_said():
     for k in range(6):
         for i, task in enumerate(MOVING):
             rng = np.random.default_rng([999, k, i])
-            options: dict[str, Any] = {"fidgets": False, "difficulty": 0.7}
+            options: dict[str, Any] = {"idle_gestures": False, "difficulty": 0.7}
             options |= {"family": ("default", "held_out")[k % 2], "sensor": SENSORS[k // 2]}
             acted = acted_take(task, rng, seconds=float(rng.uniform(8.0, 20.0)), **options)
             errors.append(lag.align(*sides(acted), DT).lag - acted.lag)
@@ -101,7 +107,7 @@ def test_a_clear_movement_is_found_by_its_take_alone():
     rng = np.random.default_rng(0)
     for task in ("manipulate_right", "manipulate_left", "march"):
         acted = acted_take(
-            task, rng, lag=0.37, fidgets=False, sensor="mocap", difficulty=0.9, seconds=12.0
+            task, rng, lag=0.37, idle_gestures=False, sensor="mocap", difficulty=0.9, seconds=12.0
         )
         found = lag.align(*sides(acted), DT)
         assert found.lag == pytest.approx(acted.lag, abs=1.5 * DT), task
@@ -123,7 +129,7 @@ def library(tmp_path: Path) -> SessionLibrary:
     person = Person.sample(rng, sensor="kinect")
     book = SessionBook(tmp_path)
     for i, task in enumerate(("sit_tilt", "manipulate_left", "manipulate_right")):
-        acted = acted_take(task, rng, person=person, lag=LATE, fidgets=False, seconds=6.0)
+        acted = acted_take(task, rng, person=person, lag=LATE, idle_gestures=False, seconds=6.0)
         record(acted, tmp_path, f"t{i}", keep=True, session=book.add("me", f"t{i}").name)
     return SessionLibrary(tmp_path)
 

@@ -26,7 +26,7 @@ DT = 1.0 / 30.0
 @pytest.fixture(scope="module")
 def acted():
     return acted_take(
-        "manipulate_left", np.random.default_rng(4), lag=0.5, fidgets=False, sensor="mocap"
+        "manipulate_left", np.random.default_rng(4), lag=0.5, idle_gestures=False, sensor="mocap"
     )
 
 

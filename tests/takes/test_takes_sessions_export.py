@@ -1,17 +1,22 @@
 """Whole sessions in one data set, and back from it."""
 
+import shutil
 from datetime import date
 from pathlib import Path
 
 import h5py
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
+from acted_takes import acted_take, record
 from make_ticks import make_ticks
 
 from studio.errors import StudioError
+from studio.mocap.imports import import_take
 from studio.takes import commands
 from studio.takes.edit.edits import edit
 from studio.takes.export.episodes import episodes
+from studio.takes.export.formats import export_file
 from studio.takes.export.lerobot import features
 from studio.takes.record.recorder import Recorder
 from studio.takes.session_library import SessionLibrary
@@ -127,3 +132,45 @@ def test_what_is_no_data_set_of_ours_is_refused_with_why(sessions: Path, tmp_pat
     with pytest.raises(StudioError, match="cannot be read"):
         commands.import_take(tmp_path / "other", folder)
     assert not list((tmp_path / "other").glob("[!.]*"))
+
+
+@pytest.mark.parametrize("format", ["lerobot", "mcap", "jsonl", "bvh"])
+def test_what_is_downloaded_can_be_imported_as_it_is(sessions: Path, tmp_path: Path, format: str):
+    """A page gets a data set as a zip; MCAP, frames and BVH are a file each."""
+    out = tmp_path / "out"
+    out.mkdir()
+    if format in ("jsonl", "bvh"):  # a person who is believed
+        record(acted_take("tilt", np.random.default_rng(1), seconds=3.0), sessions, "acted-one")
+        was = read_take(sessions / "acted-one")
+    else:
+        was = read_take(sessions / "one")
+    file = export_file(was, format, out)
+    assert file.is_file()
+    other = tmp_path / "other"
+    answer = import_take(other, file)
+    (name,) = answer["takes"]
+    assert name.endswith("one")
+    assert not answer.get("refused")
+    now = read_take(other / name)
+    assert abs(len(now) - len(was)) <= 1  # a pose that is new in the last tick lasts no longer
+    if format in ("mcap", "lerobot"):
+        tick = -3
+        np.testing.assert_allclose(
+            now.ticks[tick].robot.joint_pos, was.ticks[tick].robot.joint_pos, atol=5e-6
+        )
+    assert all(info.complete and not info.damaged for info in SessionLibrary(other).list())
+    assert {path.name for path in other.iterdir()} - {".index.json", ".recording.lock"} == {name}
+
+
+def test_a_table_that_unpacks_to_far_more_than_it_is_is_refused_at_once(
+    sessions: Path, tmp_path: Path
+):
+    folder = Path(commands.export_take(sessions, "two", "lerobot", tmp_path)["file"])
+    file = folder / "data/chunk-000/file-000.parquet"
+    row = pq.read_table(file).slice(0, 1)
+    pq.write_table(row.take([0] * 20_000), file, compression="zstd")
+    assert file.stat().st_size < 100_000
+    zipped = shutil.make_archive(str(folder), "zip", tmp_path, folder.name)
+    with pytest.raises(StudioError, match="it is not as a1-studio exported it"):
+        import_take(tmp_path / "other", Path(zipped))
+    assert not [path for path in (tmp_path / "other").iterdir() if path.name[0] != "."]

@@ -220,7 +220,7 @@ def test_real_disk_limits_are_survived_in_a_process_of_its_own(tmp_path: Path):
     assert len(take) == kept > 5
 
 
-@pytest.mark.parametrize("kills", [3, pytest.param(50, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kills", [3, pytest.param(50, marks=[pytest.mark.slow, pytest.mark.long])])
 def test_a_sigkill_at_any_instant_loses_no_flushed_row(tmp_path: Path, kills: int):
     rng = np.random.default_rng(kills)
     for i in range(kills):

@@ -12,7 +12,7 @@ from studio.live import collect_stages
 from studio.live import commands as c
 from studio.live.loop import LiveLoop
 from studio.live.runtime import Runtime, RuntimeConfig
-from studio.live.shown import PlanItem
+from studio.live.shown_motion import PlanItem
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, read_experts
 from studio.training.collected import TakesTraining, run_train_takes

@@ -251,7 +251,7 @@ def test_a_privileged_run_leaves_a_teacher_that_another_learns_from(
         "num_envs": 16,
         "threads": 1,
         "motions_per_task": 1,
-        "crossings": 0,
+        "transitions": 0,
         "people": 0,
         "checkpoint_seconds": 0.0,
         "ppo": SMALL,
@@ -283,6 +283,7 @@ def test_a_teacher_is_not_published_and_wants_samples_to_teach_in() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 @pytest.mark.timeout(900)
 def test_ppo_alone_learns_to_keep_a_sitting_robot_up(tmp_path: Path) -> None:
     """No teacher, full Table I: PD playback tips over on slopes, 60,000 samples later less so.

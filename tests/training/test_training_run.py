@@ -29,7 +29,7 @@ def settings(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> PolicyTraining:
         samples=3 * EACH,
         num_envs=4,
         motions_per_task=1,
-        crossings=0,
+        transitions=0,
         people=0,
         distil=0,
         run=Path("runs/tiny"),

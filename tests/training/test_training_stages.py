@@ -19,7 +19,7 @@ LESSON = 4 * 24
 
 def test_sitting_trains_a_teacher_and_then_what_it_teaches():
     teacher, policy = stages_of(PolicyTraining(state="sit", publish=True, threads=2))
-    assert (teacher.privileged, teacher.samples, teacher.crossings) == (True, 4_800_000, 48)
+    assert (teacher.privileged, teacher.samples, teacher.transitions) == (True, 4_800_000, 48)
     assert (teacher.push, teacher.ppo.gamma, teacher.publish) == (0.2, 0.97, False)
     assert policy.teacher == teacher.folder / "teacher.safetensors"
     assert (policy.lessons, policy.warmup, policy.clean) == (3_000_000, 80, 0.25)
@@ -29,9 +29,9 @@ def test_sitting_trains_a_teacher_and_then_what_it_teaches():
 
 
 def test_what_was_told_holds_in_every_stage():
-    told = PolicyTraining(state="sit", crossings=5, samples=10, ppo=PpoConfig(gamma=0.5))
+    told = PolicyTraining(state="sit", transitions=5, samples=10, ppo=PpoConfig(gamma=0.5))
     for stage in stages_of(told):
-        assert (stage.crossings, stage.samples, stage.ppo.gamma) == (5, 10, 0.5)
+        assert (stage.transitions, stage.samples, stage.ppo.gamma) == (5, 10, 0.5)
     assert stages_of(told)[1].ppo.max_learning_rate == 3e-4
 
 
@@ -60,7 +60,7 @@ def test_stages_run_one_after_the_other_are_gone_on_with_and_published(
     monkeypatch.setitem(stages.POLICY, "sit", {**stages.POLICY["sit"], "distil": LESSON})
     tiny = PpoConfig(horizon=6, epochs=1, minibatch=12, hidden=(8, 8))
     config = PolicyTraining(
-        state="sit", samples=LESSON + 24, num_envs=4, motions_per_task=1, crossings=1, people=0,
+        state="sit", samples=LESSON + 24, num_envs=4, motions_per_task=1, transitions=1, people=0,
         threads=1, ppo=tiny, publish=True,
     )  # fmt: skip
 

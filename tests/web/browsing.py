@@ -2,7 +2,7 @@
 
 import shutil
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
 
@@ -11,7 +11,7 @@ from served import Served
 
 FLAGS = [
     "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist", "--disable-quic", "--no-first-run",
+    "--disable-gpu-compositing", "--disable-quic", "--no-first-run",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
 ]  # fmt: skip
 PATIENCE = 180.0
@@ -22,7 +22,8 @@ class Browsing:
     """A Chromium (Debian's, or Playwright's own), and what its pages had to complain of.
 
     `problems`: each error of any page and frame, each warning of our own code, each request to
-    anybody but the studio. viser's own warnings, in the framed view, are not ours to mend.
+    anybody but the studio. Warnings of viser, in the framed view, and of MediaPipe are not
+    ours to mend.
     """
 
     def __init__(self, browser: Any) -> None:
@@ -30,27 +31,37 @@ class Browsing:
         self.problems: list[str] = []
 
     @contextmanager
-    def page(self, served: Served, width: int, height: int) -> Iterator[Any]:
-        """A page of `served` in a context of its own, `width` by `height` pixels, being opened."""
+    def page(
+        self, served: Served, width: int, height: int, path: str = "/", **more: Any
+    ) -> Iterator[Any]:
+        """A page of `served` in a context of its own, `width` by `height` pixels, being opened.
+
+        more: what the context is told besides, as `reduced_motion`.
+        """
         context = self.browser.new_context(
-            viewport={"width": width, "height": height}, color_scheme="dark"
+            viewport={"width": width, "height": height}, color_scheme="dark", **more
         )
         page = context.new_page()
         ours = (served.base, f"ws://127.0.0.1:{served.port}", "data:", "blob:")
         page.on("pageerror", lambda error: self.problems.append(str(error)))
-        page.on("console", lambda message: self._said(message, served.base))
+        page.on("console", lambda message: self._on_console(message, served.base))
         page.on(
             "request",
             lambda r: None if r.url.startswith(ours) else self.problems.append(f"asked {r.url}"),
         )
         page.set_default_timeout(1000 * PATIENCE)
-        page.goto(served.url)
-        yield page
-        context.close()  # before its server goes, which it would complain of
+        try:
+            page.goto(f"{served.base}{path}?token={served.token}")
+            yield page
+        finally:  # before its server goes, which it would complain of; else it keeps control
+            context.close()
 
-    def _said(self, message: Any, base: str) -> None:
+    def _on_console(self, message: Any, base: str) -> None:
         url = message.location.get("url", "")
-        ours = url.startswith(base) and not url.startswith(f"{base}/view")
+        theirs = (f"{base}/view", f"{base}/assets/vendor")
+        ours = url.startswith(base) and not url.startswith(theirs)
+        if "TensorFlow Lite XNNPACK" in message.text:  # its logs are errors to a browser
+            return
         if message.type == "error" or (message.type == "warning" and ours):
             self.problems.append(f"{message.type}: {message.text} ({url})")
 
@@ -72,14 +83,24 @@ class Browsing:
 
 
 @contextmanager
-def chromium() -> Iterator[Browsing]:
-    """A Chromium for as long as it lasts."""
+def chromium(*flags: str, without: Sequence[str] = ()) -> Iterator[Browsing]:
+    """A Chromium for as long as it lasts, with more flags, and without some it else would get."""
     sync_api = pytest.importorskip("playwright.sync_api")
+    with (
+        sync_api.sync_playwright() as playwright,
+        launched(playwright.chromium, *flags, without=without) as browsing,
+    ):
+        yield browsing
+
+
+@contextmanager
+def launched(kind: Any, *flags: str, without: Sequence[str] = ()) -> Iterator[Browsing]:
+    """The same of a Playwright that runs already; kind: its `chromium`."""
     path = shutil.which("chromium") or shutil.which("google-chrome")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
-        yield Browsing(browser)
-        browser.close()
+    args = [flag for flag in FLAGS if flag not in without] + list(flags)
+    browser = kind.launch(executable_path=path, args=args)
+    yield Browsing(browser)
+    browser.close()
 
 
 def drawn(page: Any) -> Any:

@@ -108,7 +108,16 @@ def test_every_route_but_health_asks_for_the_token(studio_at):
                 for headers in ({}, {"Authorization": "Bearer wrong"}, {"Cookie": "a1_studio=x"}):
                     status = stranger.request(method, url, headers=headers).status_code
                     assert status == (200 if path == "/api/health" else 401), (method, path)
-        for path in ("/", "/view/", "/assets/js/app.js", "/api/docs", "/nowhere", "/?token=wrong"):
+        for path in (
+            "/",
+            "/view/",
+            "/assets/js/app.js",
+            "/api/docs",
+            "/nowhere",
+            "/?token=wrong",
+            "/camera",
+            "/camera?token=wrong",
+        ):
             assert stranger.get(path).status_code == 401, path
     for path in ("/api/human", "/api/ticks", "/api/control", "/view", "/api/health"):
         with pytest.raises(InvalidStatus) as refused:
@@ -132,6 +141,29 @@ def test_the_printed_url_sets_a_strict_cookie_and_leaves_the_address_bar(studio_
         cookies = {"Cookie": f"a1_studio_{studio_at.port}={TOKEN}"}
         with studio_at.ws("/api/ticks", headers=cookies) as socket:
             assert socket.recv(timeout=5)
+
+
+def test_the_cameras_page_is_opened_with_the_token_on_a_second_device(studio_at):
+    with httpx.Client(base_url=studio_at.base, trust_env=False) as browser:
+        asked = browser.get("/camera", headers={"Accept": "text/html"})
+        assert asked.status_code == 401
+        assert "<form" in asked.text
+        answer = browser.get(f"/camera?token={TOKEN}")
+        assert answer.status_code == 303
+        assert answer.headers["location"] == "/camera"
+        assert browser.get("/camera").status_code == 200
+
+
+def test_only_the_pose_models_worker_may_compile_webassembly(studio_at):
+    def policy(path: str) -> str:
+        return studio_at.client.get(path).headers["content-security-policy"]
+
+    for path in ("/", "/camera", "/assets/js/webcam.js", "/assets/js/webcam-model.js"):
+        assert "wasm" not in policy(path), path
+    rules = policy("/assets/js/webcam-worker.js").split("; ")
+    assert rules == [
+        "default-src 'none'", "script-src 'self' 'wasm-unsafe-eval'", "connect-src 'self'",
+    ]  # fmt: skip
 
 
 def test_pages_may_load_and_connect_to_nothing_but_us(studio_at):

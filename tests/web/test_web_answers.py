@@ -10,8 +10,9 @@ from pydantic import TypeAdapter
 
 from studio.cli import main
 from studio.takes.edit.review import Review
+from studio.takes.export.adding import add_take
 from studio.takes.listing import TakeInfo
-from studio.web import answers, answers_takes
+from studio.web import answers, answers_takes, answers_tick
 
 
 def check(kind: Any, text: str | bytes) -> None:
@@ -21,10 +22,12 @@ def check(kind: Any, text: str | bytes) -> None:
 
 
 @pytest.fixture(scope="module")
-def take(studio_at):
+def take(studio_at, tmp_path_factory):
     """The name of a take of both sides."""
     acted = acted_take("tilt", np.random.default_rng(0), lag=0.3, seconds=3.0)
-    record(acted, studio_at.sessions, "declared", keep=True)
+    elsewhere = tmp_path_factory.mktemp("elsewhere")  # the studio may hold its own folder's lock
+    record(acted, elsewhere, "declared", keep=True)
+    add_take(studio_at.sessions, elsewhere / "declared")
     yield "declared"
     studio_at.client.delete("/api/takes/declared")
 
@@ -32,7 +35,7 @@ def take(studio_at):
 def test_the_state_and_both_sockets_send_what_is_declared(studio_live):
     check(answers.State, studio_live.client.get("/api/state").content)
     with studio_live.ws("/api/ticks") as ws:
-        check(answers.TickMessage, ws.recv(timeout=10))
+        check(answers_tick.TickMessage, ws.recv(timeout=10))
     with studio_live.ws("/api/control") as ws:
         check(answers.StateMessage, ws.recv(timeout=10))
 

@@ -79,7 +79,9 @@ def test_a_take_is_collected_reviewed_trimmed_aligned_and_split(collecting):
 
 
 def test_one_flaw_is_cut_out_of_a_take_and_undo_takes_it_back(studio_live, tmp_path):
-    acted = acted_take("tilt", np.random.default_rng(4), lag=0.3, fidgets=False, sensor="mocap")
+    acted = acted_take(
+        "tilt", np.random.default_rng(4), lag=0.3, idle_gestures=False, sensor="mocap"
+    )
     pos = acted.human_pos.copy()
     pos[60:90], pos[150:180] = pos[60], pos[150]
     record(replace(acted, human_pos=pos), tmp_path, "flawed")

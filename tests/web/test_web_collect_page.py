@@ -47,6 +47,8 @@ def test_takes_are_collected_repaired_learnt_from_and_the_new_mapper_drives(page
         click(page, '[data-action="go"]')
         until(page, "() => a1studio.state.collect.phase === 'countdown'")
         until(page, "() => a1studio.state.collect.phase === 'review'")
+        scored = "/^Score \\d+ of 100/.test(document.querySelector('#coach .quality').innerText)"
+        until(page, f"() => {scored}")
         page.keyboard.press("k") if number else click(page, '[data-action="keep"]')
     until(page, "() => a1studio.state.collect.phase === 'done'")
     names = client.get("/api/state").json()["collect"]["kept"]

@@ -48,6 +48,9 @@ def test_every_command_with_a_path_is_in_the_schema_with_its_words_and_limits(sc
     assert post["tags"] == [command.tag]
     body = body_of(command)
     assert ("requestBody" in post) == (body is not None)
+    refused = {"409", *([str(command.misfit_status)] if body else [])}
+    refused |= {"404"} if "{name}" in command.path else set()
+    assert post["responses"].keys() == {"200", *refused}
     shown = schema["components"]["schemas"][body.__name__]["properties"] if body else {}
     for name, field in command.model_fields.items():
         if name == command.sender or f"{{{name}}}" in command.path:
@@ -74,6 +77,56 @@ def test_every_command_with_a_path_answers_there_and_a_misfit_says_why(studio_li
     else:
         assert answer.status_code == command.misfit_status
         assert answer.json()["why"]
+
+
+@pytest.fixture(scope="module")
+def take(studio_at):
+    """The name of a take of a moment."""
+    name = studio_at.client.post("/api/takes/start").json()["name"]
+    studio_at.wait(lambda state: (state["recording"] or {"ticks": 0})["ticks"])
+    studio_at.client.post("/api/takes/stop")
+    yield name
+    studio_at.client.delete(f"/api/takes/{name}")
+
+
+def asked_for(schema, take):
+    """(method, URL, statuses of a refusal, properties) of every route with a body in JSON."""
+    for path, routes in schema["paths"].items():
+        for method, route in routes.items():
+            content = route.get("requestBody", {}).get("content", {}).get("application/json")
+            if content is not None:
+                ref = content["schema"].get("$ref") or content["schema"]["anyOf"][0]["$ref"]
+                part = schema["components"]["schemas"][ref.rpartition("/")[2]]
+                url = path.replace("{name}", take)
+                yield method, url, route["responses"].keys() - {"200"}, part["properties"]
+
+
+def test_a_key_that_is_none_is_refused_everywhere_with_those_that_are(studio_live, schema, take):
+    asked = list(asked_for(schema, take))
+    assert len(asked) > 20
+    for method, url, refusals, properties in asked:
+        answer = studio_live.client.request(method, url, json={"colour": 1})
+        assert str(answer.status_code) in refusals, url
+        known = ", ".join(sorted(properties))
+        assert f"unknown key 'colour'; known: {known}" in answer.json()["why"], url
+    items = [{"task": "tilt", "colour": 1}]
+    answer = studio_live.client.post("/api/collect/plan", json={"items": items})
+    assert "items.0: unknown key 'colour'; known: difficulty, seconds" in answer.json()["why"]
+
+
+def test_a_boolean_is_true_or_false_everywhere(studio_live, schema, take):
+    found = 0
+    for method, url, refusals, properties in asked_for(schema, take):
+        for name, said in properties.items():
+            if "boolean" in {
+                said.get("type"),
+                *(part.get("type") for part in said.get("anyOf", ())),
+            }:
+                answer = studio_live.client.request(method, url, json={name: "yes"})
+                assert str(answer.status_code) in refusals, url
+                assert f"{name}: Input should be a valid boolean" in answer.json()["why"], url
+                found += 1
+    assert found > 8
 
 
 def test_only_what_frees_a_stopped_robot_must_have_been_sent_after_the_stop():

@@ -139,7 +139,9 @@ def test_takes_are_found_by_words_and_stay_ticked_out_of_sight(page, served):
 
 
 def test_one_flaw_is_cut_out_by_its_button_and_undone(page, served, tmp_path):
-    acted = acted_take("tilt", np.random.default_rng(4), lag=0.3, fidgets=False, sensor="mocap")
+    acted = acted_take(
+        "tilt", np.random.default_rng(4), lag=0.3, idle_gestures=False, sensor="mocap"
+    )
     pos = acted.human_pos.copy()
     pos[60:90], pos[150:180] = pos[60], pos[150]
     record(replace(acted, human_pos=pos), tmp_path, "flawed")

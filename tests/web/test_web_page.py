@@ -159,7 +159,7 @@ def test_a_file_dropped_on_the_page_drives_the_robot(page, served, browsing, tmp
     }"""
     page.evaluate(drop, ["quiet.bvh", (tmp_path / "quiet.bvh").read_text()])
     state = served.wait(lambda s: s["source"].startswith("bvh:"))
-    assert state["source"].endswith("_quiet.bvh")
+    assert state["source"].endswith("/quiet.bvh")
     page.wait_for_function(
         "() => document.querySelector('#chip-source').textContent.includes('quiet.bvh')"
     )
@@ -192,7 +192,7 @@ def test_joints_of_a_name_that_nobody_knows_are_said_by_hand(page, served, brows
         page.wait_for_selector("#joints-error:not([hidden])")
     page.select_option("#joints [data-joint=r_knee]", "Altra")
     page.click("#joints-save")
-    served.wait(lambda s: s["source"].endswith("_odd.bvh"))
+    served.wait(lambda s: s["source"].endswith("/odd.bvh"))
     page.wait_for_selector("#joints:not([open])", state="attached")
     until(page, "() => /joints/.test(document.querySelector('#load summary').textContent)")
     assert "up y" in page.text_content("#load summary")
@@ -200,7 +200,7 @@ def test_joints_of_a_name_that_nobody_knows_are_said_by_hand(page, served, brows
     page.set_input_files(
         "#file", {"name": "again.bvh", "mimeType": "text/plain", "buffer": strange.encode()}
     )
-    served.wait(lambda s: s["source"].endswith("_again.bvh"))
+    served.wait(lambda s: s["source"].endswith("/again.bvh"))
     page.evaluate("() => { document.querySelector('#load').open = true; }")
     page.click("#joints-edit")
     assert page.input_value("#joints [data-joint=l_knee]") == "Zampa"

@@ -10,10 +10,10 @@ from studio.human.skeleton import INDEX, NUM_JOINTS, PARENTS
 from studio.live.commands import ReleaseControl, TakeControl
 from studio.live.safety import Safety
 from studio.synthetic.operator import OperatorSource
-from studio.web import figures
-from studio.web.desk import ControlDesk
+from studio.web import shapes
 from studio.web.follow import HUMAN_COLUMN, HUMAN_SCALE, SOLE, Above, Follow, HumanPlace
 from studio.web.keyboard import intent_of
+from studio.web.page_control import PageControl
 
 DT = 1.0 / 30.0
 
@@ -24,7 +24,7 @@ def person():
     return OperatorSource("quiet", seed=1).read(0.0)
 
 
-@pytest.mark.parametrize("mesh", [figures.bone_mesh(), figures.ball_mesh(), figures.disc_mesh()])
+@pytest.mark.parametrize("mesh", [shapes.bone_mesh(), shapes.ball_mesh(), shapes.disc_mesh()])
 def test_shapes_are_closed_and_face_outwards(mesh):
     triangles = mesh.vertices[mesh.faces].astype(np.float64)
     # Divergence theorem: a closed surface wound outwards has a positive volume,
@@ -39,22 +39,22 @@ def test_shapes_are_closed_and_face_outwards(mesh):
 
 def test_each_bone_runs_from_its_parent_to_its_joint(person):
     joints = person.joint_pos_w
-    start, wxyz, scale = figures.bone_transforms(joints)
+    start, wxyz, scale = shapes.bone_transforms(joints)
     tip = start + geometry.quat_rotate(wxyz, np.array([0.0, 0.0, 1.0])) * scale[:, 2:]
-    for bone, joint in enumerate(figures.BONES):
+    for bone, joint in enumerate(shapes.BONES):
         np.testing.assert_allclose(start[bone], joints[PARENTS[joint]], atol=1e-9)
         np.testing.assert_allclose(tip[bone], joints[joint], atol=1e-9)
 
 
 def test_the_trunk_is_broad_across_the_hips(person):
-    _, wxyz, _ = figures.bone_transforms(person.joint_pos_w)
+    _, wxyz, _ = shapes.bone_transforms(person.joint_pos_w)
     across = person.joint_pos_w[INDEX["l_hip"]] - person.joint_pos_w[INDEX["r_hip"]]
     x = geometry.quat_rotate(wxyz[0], np.array([1.0, 0.0, 0.0]))
     assert abs(x @ geometry.normalize(across)) > 0.95
 
 
 def test_bones_of_no_length_are_still_drawn():
-    _, wxyz, scale = figures.bone_transforms(np.zeros((NUM_JOINTS, 3)))
+    _, wxyz, scale = shapes.bone_transforms(np.zeros((NUM_JOINTS, 3)))
     assert np.isfinite(wxyz).all()
     assert np.isfinite(scale).all()
 
@@ -134,7 +134,7 @@ class TestDesk:
     def setup_method(self):
         self.now, self.sent, self.beats = 0.0, [], []
         self.safety = Safety(armed=True)
-        self.desk = ControlDesk(
+        self.control = PageControl(
             self.send, self.hear, lambda page: self.safety.silent(page, self.now)
         )
 
@@ -149,45 +149,45 @@ class TestDesk:
         self.safety.beat(page, self.now)
 
     def beat(self, page):
-        self.desk.beat(page.name, visible=True, keys=frozenset(), round_trip_ms=1.0)
+        self.control.beat(page.name, visible=True, keys=frozenset(), round_trip_ms=1.0)
 
     def test_the_first_page_drives_and_only_its_heartbeats_count(self):
-        a, b = self.desk.join(), self.desk.join()
+        a, b = self.control.join(), self.control.join()
         self.beat(a)
         self.beat(b)
         assert self.sent == [TakeControl(page=a.name)]
         assert self.beats == [a.name]
-        assert self.desk.refusal(a.name) == ""
-        assert self.desk.refusal(None) == ""  # a script is no page
-        assert "Take control" in self.desk.refusal(b.name)
+        assert self.control.refusal(a.name) == ""
+        assert self.control.refusal(None) == ""  # a script is no page
+        assert "Take control" in self.control.refusal(b.name)
 
     def test_a_page_that_comes_after_a_lost_one_drives(self):
-        a = self.desk.join()
-        self.desk.leave(a.name)
-        b = self.desk.join()
-        assert self.desk.holder == b.name
+        a = self.control.join()
+        self.control.leave(a.name)
+        b = self.control.join()
+        assert self.control.holder == b.name
         assert ReleaseControl(page=a.name) not in self.sent  # lost is not given up
 
     def test_a_silent_page_keeps_control_until_the_robot_stands_for_want_of_it(self):
-        a = self.desk.join()
+        a = self.control.join()
         self.now = 0.3
-        self.desk.join()
-        assert self.desk.holder == a.name
+        self.control.join()
+        assert self.control.holder == a.name
         self.now = 0.6
-        c = self.desk.join()
-        assert self.desk.holder == c.name
+        c = self.control.join()
+        assert self.control.holder == c.name
 
     def test_giving_up_is_said_to_the_loop(self):
-        a = self.desk.join()
-        self.desk.act("release", a.name)
+        a = self.control.join()
+        self.control.act("release", a.name)
         assert self.sent[-1] == ReleaseControl(page=a.name)
-        assert self.desk.holder is None
+        assert self.control.holder is None
         with pytest.raises(StudioError, match="nobody"):
-            self.desk.act("release", a.name)
+            self.control.act("release", a.name)
         with pytest.raises(StudioError, match="take"):
-            self.desk.act("juggle", a.name)
+            self.control.act("juggle", a.name)
         with pytest.raises(StudioError, match="open pages"):
-            self.desk.act("take", "page-x")
+            self.control.act("take", "page-x")
 
 
 def test_a_caption_keeps_its_height_until_the_figure_reaches_into_it():

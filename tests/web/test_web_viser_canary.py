@@ -13,15 +13,20 @@ from viser import _messages
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
-from studio.web.figures import ball_mesh
-from studio.web.inner import SECRET_HEADER, InnerViser, client_html, client_message_allowed
+from studio.web.guarded_viser import (
+    SECRET_HEADER,
+    GuardedViser,
+    client_html,
+    client_message_allowed,
+)
 from studio.web.scene_batch import Batch
+from studio.web.shapes import ball_mesh
 
 
 @pytest.fixture(scope="module")
 def inner():
     """A guarded viser."""
-    inner = InnerViser()
+    inner = GuardedViser()
     yield inner
     inner.stop()
 

@@ -1,15 +1,21 @@
 // The page: wires panels, safety and the 3-D view to the studio.
 
 import { Alarm, drawStale } from "./alarm.js";
+import { captionsOf } from "./captions.js";
 import { CollectPanels } from "./collect.js";
 import { Controls } from "./controls.js";
-import { $, $$, attempt, openDialog, text, toast } from "./dom.js";
+import { $, $$, attempt, calm, openDialog, text, toast } from "./dom.js";
 import { Drops } from "./drops.js";
+import { pageEntries } from "./entries.js";
+import { Guide } from "./guide.js";
 import { drawHealth } from "./health.js";
 import { TickHistory } from "./history.js";
 import { Importer } from "./imports.js";
 import { Keyboard } from "./keys.js";
 import { ControlLine, ticks } from "./net.js";
+import { startPad } from "./pad.js";
+import { Palette } from "./palette.js";
+import { PlotDock } from "./plots.js";
 import { ReplayBar } from "./replay.js";
 import { Review } from "./review.js";
 import { Shortcuts } from "./shortcuts.js";
@@ -17,11 +23,13 @@ import { SourcePanel } from "./source.js";
 import { drawLink, drawStatus } from "./status.js";
 import { Studio } from "./studio.js";
 import { TakesPanel } from "./takes.js";
+import { drawUnderWay } from "./underway.js";
 import { View } from "./view.js";
 import { drawMeaning, drawStyle, startVocabulary } from "./vocabulary.js";
-import { capital, spoken } from "./words.js";
+import { cameraPanel } from "./webcam-panel.js";
+import { capital } from "./words.js";
 
-/** @import { State, Tick } from "../types/page.js" */
+/** @import { State } from "../types/page.js" */
 
 const studio = new Studio();
 const { api } = studio;
@@ -48,7 +56,7 @@ const actions = {
     alarm.pressed(() => api.post("/api/stop").then(alarm.delivered, () => {}));
     line.stop();
     openDialog()?.close();
-    $("#stop").animate([{ scale: 0.94 }, { scale: 1 }], 150);
+    if (!calm()) $("#stop").animate([{ scale: 0.94 }, { scale: 1 }], 150);
   },
   // Closes what is open where nothing can be in danger; in doubt it is a stop.
   escape: () => {
@@ -56,7 +64,10 @@ const actions = {
     if (dialog && studio.still) dialog.close();
     else actions.stop();
   },
-  R: () => attempt(() => api.post("/api/reset")),
+  R: async () => {
+    // The next thing to do: Enter arms, wherever the focus was.
+    if (await attempt(() => api.post("/api/reset"))) $("#arm").focus();
+  },
   Enter: () => attempt(() => api.post("/api/arm")),
 };
 const keyboard = new Keyboard(
@@ -82,24 +93,51 @@ const replay = new ReplayBar(studio);
 const importer = new Importer(studio, review.open);
 const collect = new CollectPanels(studio, review, importer);
 const drops = new Drops(source, importer);
-const history = new TickHistory(performance.now());
+const history = new TickHistory();
+const plots = new PlotDock();
 startVocabulary();
+startPad(keyboard);
+cameraPanel($(".panels > .card + .card"), (target) => keyboard.listen(target));
+const guide = new Guide({
+  drive: source.drive,
+  sample: source.sample,
+  record: async () => {
+    if (studio.state?.reason === "source_ended") await source.sample();
+    $("#record").click();
+  },
+  review: takes.reviewLast,
+  train: () => collect.trainOn(review),
+});
+$("#guide-again").addEventListener("click", guide.begin);
 const view = new View({
   listen: (target) => keyboard.listen(target),
   ready: () => $("#veil").classList.add("gone"),
   drag: drops.drag,
 });
+const palette = new Palette(() => [
+  ...pageEntries(),
+  { words: "Emergency stop", key: "Esc", run: actions.stop },
+  { words: "Reset: stand up", key: "R", run: actions.R },
+  { words: "Arm: follow again", key: "Enter", run: actions.Enter },
+  { words: "Live plots", key: "J", run: plots.toggle },
+  { words: "Dark or light", key: "T", run: actions.T },
+  { words: "Keyboard shortcuts", key: "?", run: actions["?"] },
+]);
 Object.assign(actions, collect.coach.keys, review.keys, {
   1: () => view.look("front"),
   2: () => view.look("side"),
   3: () => view.look("behind"),
   4: () => view.look("top"),
   T: () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"),
+  H: () => $("#record").click(),
+  J: plots.toggle,
   "?": shortcuts.show,
+  palette: palette.show,
 });
 $("#theme").addEventListener("click", actions.T);
 $("#help").addEventListener("click", actions["?"]);
-$("#control").addEventListener("click", () => attempt(takeControl));
+for (const button of ["#control", "#watching-take"])
+  $(button).addEventListener("click", () => attempt(takeControl));
 const light = matchMedia("(prefers-color-scheme: light)").matches;
 setTheme(localStorage.getItem("theme") ?? (light ? "light" : "dark"));
 
@@ -127,30 +165,20 @@ ticks((tick) => {
   studio.tick = tick;
   studio.lastTick = performance.now();
   history.add(tick, studio.lastTick);
+  plots.add(tick);
   studio.stillness.add(tick, studio.lastTick);
   controls.drawVotes(tick);
-  drawCaptions(tick);
+  const captions = captionsOf(tick, studio.state?.source ?? "operator");
+  view.caption(captions);
+  text($("#state-now"), captions.reference[1]);
   drawMeaning(tick);
+  drawUnderWay(tick, source.driving && keyboard.held.includes("W"));
 });
-
-/** @param {Tick} tick */
-function drawCaptions({ mode, state, transition_to, controller, human, expert, fallen }) {
-  const now = state === "transition" ? `changing to ${transition_to ?? "…"}` : state;
-  text($("#state-now"), now);
-  const shown = mode === "collect" || (mode === "replay" && controller === "recorded");
-  text($('.caption[data-figure="reference"] b'), shown ? "Shown A1" : "Retargeted A1");
-  const meaning = expert === "unknown" ? "motion not known" : `meaning: ${expert}`;
-  view.caption({
-    human: human ? meaning : "nobody seen",
-    reference: now,
-    robot: fallen ? "fallen" : spoken(controller),
-  });
-}
 
 // … ten times …
 /** @param {State} state */
 function drawState(state) {
-  drawStatus(state);
+  drawStatus(state, api.page);
   drawControl(state);
   drawStyle(state);
   controls.draw(state);
@@ -159,6 +187,7 @@ function drawState(state) {
   replay.draw(state);
   review.draw(state);
   collect.draw(state);
+  guide.draw(state);
 }
 
 /** @param {State} state */
@@ -169,11 +198,15 @@ function drawControl(state) {
   $("#control").dataset.held = mine ? "you" : holder ? "other" : "none";
   const driving = others > 0 ? `You drive · ${others} watching` : "You drive";
   text($("#control"), mine ? driving : "Take control");
+  document.body.dataset.role = mine ? "drive" : "watch";
+  $("#watching").hidden = mine;
+  const who = holder ? "Another page drives" : "Nobody drives";
+  text($("#watching span"), `You are watching. ${who}; this page can only stop.`);
 }
 
 // … and four times.
 function drawConnection() {
-  drawLink(studio.link, studio.silent);
+  drawLink(studio.link, studio.late);
   drawStale(studio);
   alarm.draw();
 }
@@ -181,10 +214,11 @@ function drawConnection() {
 setInterval(() => {
   drawConnection();
   if (!studio.tick) return;
-  text($("#chip-fps b"), history.rate.toFixed(0));
+  text($("#chip-fps b"), history.rate ? history.rate.toFixed(0) : "–");
   text($("#chip-latency b"), history.percentile(0.5).toFixed(2));
   text($("#chip-rtt b"), line.roundTrip.toFixed(0));
   drawHealth(history, studio.tick.counters);
+  plots.draw();
 }, 250);
 
 api.get("/api/health").catch((error) => toast(capital(error.message)));

@@ -115,7 +115,15 @@ export function benchOf(on) {
     el(
       "div",
       { class: "bench-line" },
-      el("canvas", { id: "timeline", role: "img", "aria-label": "Both sides over time" }),
+      el("canvas", {
+        id: "timeline",
+        role: "slider",
+        tabindex: 0,
+        "aria-label": "Time in the take, with you and what was shown drawn over it",
+        "aria-valuemin": 0,
+        "aria-valuemax": 0,
+        "aria-valuenow": 0,
+      }),
     ),
     el(
       "div",

@@ -17,6 +17,8 @@ const CAMERAS = {
 const WIDE = 1.75;
 /** px left free below a caption for what stands at the view's foot. */
 const FOOT = 70;
+/** px between captions, and between one and what stands at the view's edges. */
+const GAP = 4;
 
 /** Eye and target (m) of a camera in a view of that aspect. */
 export function stand(/** @type {CameraName} */ name, /** @type {number} */ aspect) {
@@ -34,10 +36,48 @@ export function stand(/** @type {CameraName} */ name, /** @type {number} */ aspe
  * @param {[number, number]} caption px
  */
 export function place({ x, y }, [viewWidth, viewHeight], [width, height]) {
-  if (Math.abs(x) >= 1.1 || Math.abs(y) >= 1.2) return null;
+  // A camera that has not looked yet answers NaN.
+  if (!(Math.abs(x) < 1.1 && Math.abs(y) < 1.2)) return null;
   const half = width / 2 + 6;
   return {
     left: Math.min(viewWidth - half, Math.max(half, ((x + 1) / 2) * viewWidth)),
     top: Math.min(viewHeight - FOOT, Math.max(height + 6, ((1 - y) / 2) * viewHeight)),
   };
 }
+
+/**
+ * px: a box's edges.
+ *
+ * @typedef {{ left: number, top: number, right: number, bottom: number }} Box
+ */
+
+/**
+ * Captions where none lies over another, or over what must stay free: each stays or goes up or
+ * down as little as it can.
+ *
+ * @param {{ left: number, top: number, size: [number, number] }[]} captions as `place` gives them
+ * @param {Box[]} kept what must stay free
+ * @param {number} viewHeight px
+ */
+export function spread(captions, kept, viewHeight) {
+  const taken = [...kept];
+  return captions.map(({ left, top, size: [width, height] }) => {
+    const at = (/** @type {number} */ bottom) => ({
+      left: left - width / 2,
+      right: left + width / 2,
+      top: bottom - height,
+      bottom,
+    });
+    const free = (/** @type {Box} */ box) =>
+      box.top >= GAP && box.bottom <= viewHeight && !taken.some((other) => over(box, other));
+    const ways = taken.flatMap((box) => [box.top - GAP, box.bottom + GAP + height]);
+    const near = [top, ...ways].toSorted((a, b) => Math.abs(a - top) - Math.abs(b - top));
+    const found = near.find((bottom) => free(at(bottom))) ?? top;
+    taken.push(at(found));
+    return { left, top: found };
+  });
+}
+
+/** @param {Box} a @param {Box} b */
+const over = (a, b) =>
+  a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;

@@ -81,6 +81,8 @@ export class Coach {
       260,
     ),
   );
+  /** The take whose score is shown. @type {string | null} */
+  #judged = null;
   /** The last whole second of a count-down that was sounded. */
   #second = 0;
 
@@ -121,6 +123,7 @@ export class Coach {
           el("i", { "data-foot": "0" }, "L"),
           el("i", { "data-foot": "1" }, "R"),
         ),
+        el("p", { class: "quality", hidden: true }, el("b"), el("span")),
         el("p", { class: "why" }),
       ),
       el("div", { class: "count", id: "count", hidden: true, "aria-hidden": "true" }),
@@ -182,8 +185,25 @@ export class Coach {
         ({ action, phases }) => action === button.dataset.action && phases.includes(phase),
       );
     $("#coach-review").hidden = !(phase === "review" && take);
+    this.#judge(phase === "review" ? take : null);
     this.#sound(collect);
     if (phase === "countdown") this.#count(Math.ceil((remaining ?? 0) - 1e-6));
+  }
+
+  /** Say how good a take is, once it is known. @param {string | null} take */
+  async #judge(take) {
+    if (take === this.#judged) return;
+    this.#judged = take;
+    const line = $("#coach .quality");
+    line.hidden = true;
+    if (take === null) return;
+    const { api } = this.studio;
+    const found = await api.get("/api/takes/{name}/review", { name: take }).catch(() => null);
+    if (!found || take !== this.#judged) return;
+    const { score, reasons } = found.quality;
+    text($("b", line), `Score ${Math.round(score)} of 100`);
+    text($("span", line), reasons.map(({ message }) => message).join(" · "));
+    line.hidden = false;
   }
 
   get #sounds() {

@@ -53,6 +53,20 @@ export class CollectPanels {
     this.library.refresh();
   }
 
+  /** Keep the take on the bench, and go to where it is trained on. @param {Review} review */
+  async trainOn(review) {
+    if (review.on) await review.keep();
+    await this.studio.api.post("/api/mode", { mode: "collect" });
+    this.library.refresh();
+    // The panels of this mode are there once the state has said so.
+    const show = () => {
+      if (!$("#train").offsetParent) return this.studio.collecting && requestAnimationFrame(show);
+      $("#train").scrollIntoView();
+      $("#train summary").focus({ preventScroll: true });
+    };
+    setTimeout(show, 300);
+  }
+
   #map() {
     if (this.studio.collecting || this.review.on) drawMap(this.studio, () => this.plan.seconds);
   }

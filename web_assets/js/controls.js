@@ -38,6 +38,15 @@ const SLIDERS = [
     show: (v) => `${v.toFixed(2)} m/s`,
     help: "The robot walks no faster",
   },
+  {
+    name: "joint_speed",
+    title: "Quickness",
+    low: Math.PI / 3,
+    high: (8 * Math.PI) / 3,
+    step: Math.PI / 18,
+    show: (v) => `${((v * 180) / Math.PI).toFixed(0)}°/s`,
+    help: "How fast its joints may be where it stands or sits: faster is less late, less steady",
+  },
 ];
 /** @type {Record<State["style"], string>} */
 const STYLES = {

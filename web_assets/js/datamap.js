@@ -41,7 +41,7 @@ function states({ states, enough }) {
     return el(
       "div",
       { class: "mapstate" },
-      el("h4", {}, capital(state), el("span", {}, covered)),
+      el("h2", {}, capital(state), el("span", {}, covered)),
       ...axes.map((axis) =>
         el(
           "div",

@@ -35,6 +35,9 @@ export const $canvas = (selector, root) => find(HTMLCanvasElement, selector, roo
  */
 export const $$ = (selector, root = document) => [...root.querySelectorAll(selector)].map(html);
 
+/** Whether whoever looks wants no motion that is not the robot's. */
+export const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
+
 /** The dialog that is open, if one is. */
 export const openDialog = () =>
   /** @type {HTMLDialogElement | null} */ (document.querySelector("dialog[open]"));
@@ -111,11 +114,18 @@ export function press(group, attribute, value) {
   }
 }
 
-/** @param {string} message @param {"good" | ""} [kind] @param {...(Node | string)} more */
+/**
+ * A word at the top, for a while; longer with something to press.
+ *
+ * @param {string} message
+ * @param {"good" | ""} [kind]
+ * @param {...(Node | string)} more
+ */
 export function toast(message, kind = "", ...more) {
   const node = el("div", { class: `toast ${kind}` }, message, ...more);
   $("#toasts").append(node);
-  setTimeout(() => node.remove(), kind === "good" ? 2500 : 6000);
+  setTimeout(() => node.remove(), more.length ? 10000 : kind === "good" ? 2500 : 6000);
+  return node;
 }
 
 /**

@@ -1,10 +1,10 @@
 // Which of some files are takes, zips of takes or motions: what is imported together.
 
 /** @typedef {{ path: string, file: File }} Found a file, and where it lay */
-/** @typedef {{ name: string, files: File[], single: boolean }} Job single: a zip or a motion */
+/** @typedef {{ name: string, files: File[], single: boolean }} Job single: a file alone */
 
 const PARTS = ["tape.mcap", "meta.json", "edits.jsonl"];
-const SINGLE = /\.(zip|bvh|jsonl|json|ndjson)$/i;
+const SINGLE = /\.(zip|mcap|bvh|jsonl|json|ndjson)$/i;
 
 /** @param {string} path */
 const folderOf = (path) => path.slice(0, Math.max(0, path.lastIndexOf("/")));

@@ -1,13 +1,13 @@
 // What was found in a take, as the bench says and offers it: flaws to cut out, a lag to take out.
 
 import { el } from "./dom.js";
+import { FRAME } from "./motion.js";
 import { counted } from "./words.js";
 
 /** @import { Alignment, Review, Take } from "../types/page.js" */
 /** @import { Actions } from "./bench.js" */
 
 const FLAWS = 40; // with a button of their own; the next come up as these are cut out
-const FRAME = 1 / 30; // s
 
 /** @param {Review} review @param {Actions} on */
 export function flaws({ suggestions }, on) {

@@ -5,6 +5,7 @@
 /** Ticks that are remembered: 20 s. */
 export const HISTORY = 600;
 const WINDOW = 5000; // ms
+const SOON = 2000; // ms
 /** Sums of other sections, and waiting, are not work. */
 const SUMS = new Set([
   "retarget",
@@ -24,24 +25,22 @@ export class TickHistory {
   sections = new Map();
   /** ms at which the ticks of the last WINDOW came, the oldest first. @type {number[]} */
   #came = [];
-
-  /** @param {number} now ms */
-  constructor(now) {
-    this.since = now;
-  }
+  /** ms at which the first came. */
+  #first = Infinity;
 
   /**
    * Ticks a second that reached us, over the last five seconds, or since the first if that is
-   * less: after a pause of the page they come at once, and are no faster for it.
+   * less: after a pause of the page they come at once, and are no faster for it. 0 until there is
+   * enough to tell.
    */
   get rate() {
-    const last = this.#came.at(-1) ?? this.since;
-    const seconds = Math.min(WINDOW, last - this.since) / 1000;
-    return seconds ? this.#came.length / seconds : 0;
+    const ms = Math.min(WINDOW, (this.#came.at(-1) ?? 0) - this.#first);
+    return ms < SOON ? 0 : (1000 * this.#came.length) / ms;
   }
 
   /** @param {Pick<Tick, "timings_ms">} tick @param {number} now ms */
   add({ timings_ms }, now) {
+    this.#first = Math.min(this.#first, now);
     this.#came.push(now);
     while (this.#came[0] <= now - WINDOW) this.#came.shift();
     let total = 0;

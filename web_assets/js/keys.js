@@ -20,11 +20,14 @@ export const DRIVE = [
 /** @type {Record<string, string>} */
 const NAMES = { ArrowUp: "↑", ArrowDown: "↓", ArrowLeft: "←", ArrowRight: "→" };
 const DRIVING = new Set(DRIVE.map(([key]) => key));
+/** By these viser flies its camera, under the floor if it likes: here they drive or do nothing. */
+const FLYING = new Set(["W", "A", "S", "D", "Q", "E", ...Object.values(NAMES)]);
 const UNTYPED = ["range", "checkbox", "button", "file"];
 const CONTROLS = ["INPUT", "BUTTON", "SELECT", "SUMMARY", "A", "LABEL"];
 
 /** What the keyboard looks at of an element, in whichever window it lies. */
-/** @typedef {{ tagName?: string, type?: string, isContentEditable?: boolean }} Focus */
+/** @typedef {{ tagName?: string, id?: string, type?: string, role?: string | null,
+ *   isContentEditable?: boolean }} Focus */
 
 /** Whether keys write text there. @param {Focus | null} node */
 export const typing = (node) =>
@@ -34,6 +37,14 @@ export const typing = (node) =>
 
 /** Whether Space and Enter mean something there. @param {Focus | null} node */
 export const onControl = (node) => typing(node) || CONTROLS.includes(node?.tagName ?? "");
+
+/**
+ * Whether arrow keys move something there, and drive nobody.
+ *
+ * @param {Focus | null} node
+ */
+const slides = (node) =>
+  node?.role === "slider" || node?.type === "range" || node?.tagName === "SELECT";
 
 /** A key by what is written on it. @param {{ key: string, code: string }} event */
 export const nameOf = ({ key, code }) =>
@@ -62,29 +73,36 @@ export class Keyboard {
 
   /** @param {Window} target */
   listen(target) {
-    target.addEventListener("keydown", (event) => this.down(event), true);
+    const framed = target !== target.parent;
+    target.addEventListener("keydown", (event) => this.down(event, framed), true);
     target.addEventListener("keyup", (event) => this.up(event), true);
     target.addEventListener("blur", () => this.clear());
     target.document.addEventListener("visibilitychange", () => this.clear());
   }
 
-  /** @param {KeyboardEvent} event */
-  down(event) {
+  /** @param {KeyboardEvent} event @param {boolean} [framed] whether viser listens there, too */
+  down(event, framed = false) {
     const focus = /** @type {Focus | null} */ (event.target);
     const name = nameOf(event);
+    if (framed && FLYING.has(name)) event.stopImmediatePropagation();
     if (event.key === "Escape") {
       // First of all listeners, and nothing else may swallow it.
       event.stopImmediatePropagation();
       event.preventDefault();
       if (!event.repeat) (this.actions.escape ?? this.actions.stop)();
+    } else if (name === "K" && (event.ctrlKey || event.metaKey)) {
+      event.preventDefault();
+      this.actions.palette?.();
     } else if (typing(focus) || event.ctrlKey || event.metaKey || event.altKey) {
       return;
-    } else if (event.key === " " && !onControl(focus)) {
+    } else if (event.key in NAMES && slides(focus)) {
+      return;
+    } else if (event.key === " " && (!onControl(focus) || focus?.id === "arm")) {
       event.preventDefault();
       if (!event.repeat) this.actions.stop();
     } else if (this.driving() && DRIVING.has(name)) {
       event.preventDefault();
-      if (!this.#held.has(name)) this.changed(this.#held.add(name));
+      this.hold(name);
     } else if (!event.repeat && this.actions[name] && !(name === "Enter" && onControl(focus))) {
       event.preventDefault();
       this.actions[name]();
@@ -93,7 +111,17 @@ export class Keyboard {
 
   /** @param {KeyboardEvent} event */
   up(event) {
-    if (this.#held.delete(nameOf(event))) this.changed(this.#held);
+    this.release(nameOf(event));
+  }
+
+  /** A driving key goes down, by whatever means. @param {string} name */
+  hold(name) {
+    if (this.driving() && !this.#held.has(name)) this.changed(this.#held.add(name));
+  }
+
+  /** @param {string} name */
+  release(name) {
+    if (this.#held.delete(name)) this.changed(this.#held);
   }
 
   /** Nothing is held any more: the window lost the keyboard. */

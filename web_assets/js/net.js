@@ -1,5 +1,7 @@
 // Talking to the studio: requests that say why they failed, and sockets that come back.
 
+import { stoppedBy } from "./words.js";
+
 /** @import { Answer, Body, PathOf, StateMessage, Tick, Values } from "../types/page.js" */
 
 /** `data`: all that the studio answered. */
@@ -101,7 +103,10 @@ export class Api {
     const type = answer.headers.get("content-type") ?? "";
     const data = type.includes("json") ? await answer.json() : {};
     if (!answer.ok)
-      throw new Refused(data.why ?? data.error ?? `refused (${answer.status})`, data);
+      throw new Refused(
+        stoppedBy(data.why ?? data.error ?? `refused (${answer.status})`, this.page),
+        data,
+      );
     return data;
   }
 

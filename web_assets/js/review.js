@@ -1,7 +1,9 @@
 // Reviewing a take: a timeline of both sides under the 3-D view; scrub, trim, align, clean, judge.
 
+import { throwAway } from "./bin.js";
 import { benchOf, drawBench, drawPlaying } from "./bench.js";
 import { $, $canvas, attempt, el, takesChanged, toast } from "./dom.js";
+import { FRAME } from "./motion.js";
 import { filled } from "./net.js";
 import { Timeline } from "./timeline.js";
 
@@ -11,7 +13,6 @@ import { Timeline } from "./timeline.js";
 
 /** Points of each curve. */
 const POINTS = 500;
-const FRAME = 1 / 30; // s
 const STILL = { t: 0, playing: false, loop: false, speed: 1 };
 
 export class Review {
@@ -125,6 +126,13 @@ export class Review {
     });
   }
 
+  /** Keep the take on the bench, and leave it. */
+  async keep() {
+    const name = this.#take?.name ?? "";
+    await this.studio.api.patch("/api/takes/{name}", { keep: true }, { name });
+    await this.close();
+  }
+
   /** @param {number} frames */
   #nudge(frames) {
     this.#seek({ t: Math.max(0, this.#now.t + frames * FRAME), playing: false });
@@ -142,15 +150,8 @@ export class Review {
   async #bin() {
     const { api } = this.studio;
     const name = this.#take?.name ?? "";
-    await api.delete("/api/takes/{name}", { name });
+    await throwAway(api, name, () => this.open(name));
     await this.close();
-    const restore = async () => {
-      await api.post("/api/takes/{name}/restore", undefined, { name });
-      takesChanged();
-      this.open(name);
-    };
-    const back = el("button", { onclick: () => attempt(restore) }, "Bring it back");
-    toast(`${name} is in the bin`, "good", " ", back);
   }
 
   /** Put a take on the bench and show it. @param {string} name */

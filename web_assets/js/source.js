@@ -2,7 +2,6 @@
 
 import { $, $input, $select, attempt, el, text, toast } from "./dom.js";
 import { Joints } from "./joints.js";
-import { DRIVE } from "./keys.js";
 import { Refused, filled } from "./net.js";
 import { capital, sourceName, spoken } from "./words.js";
 
@@ -11,7 +10,26 @@ import { capital, sourceName, spoken } from "./words.js";
 
 const MAX_FILE = 64 * 2 ** 20;
 const MOTION = /\.(bvh|jsonl|json)$/i;
+const SAMPLE = "lean-march-reach.bvh";
 const KEYBOARD = "operator:interactive";
+const VMC = "vmc";
+
+/** ms until the heading has come to where the button sends it. */
+const SETTLES = 900;
+
+/**
+ * What calibrating has found.
+ *
+ * @param {State["calibration"]} before
+ * @param {State["calibration"]} after
+ */
+export function measured(before, after) {
+  const turned = Math.round(((after.heading_deg - before.heading_deg + 540) % 360) - 180);
+  const way = turned
+    ? `straight ahead is ${Math.abs(turned)}° further ${turned > 0 ? "left" : "right"} now`
+    : "straight ahead stays where it was";
+  return `Calibrated: ${way}; your leg is ${after.leg_length_m.toFixed(2)} m`;
+}
 
 export class SourcePanel {
   #shown = "";
@@ -26,11 +44,20 @@ export class SourcePanel {
     const mirror = $input("#mirror");
     const file = $input("#file");
     task.addEventListener("change", () => choose(task.value));
-    $("#keys-drive").addEventListener("click", () => choose(this.driving ? "operator" : KEYBOARD));
+    for (const [button, source] of [
+      ["#keys-drive", KEYBOARD],
+      ["#vmc", VMC],
+    ])
+      $(button).addEventListener("click", () =>
+        choose(studio.state?.source === source ? "operator" : source),
+      );
     $("#calibrate").addEventListener("click", () =>
       attempt(async () => {
+        const before = studio.state?.calibration;
         await studio.api.post("/api/calibrate");
-        toast("Stand upright and quiet for a moment", "good");
+        await new Promise((done) => setTimeout(done, SETTLES));
+        const after = studio.state?.calibration;
+        if (before && after) toast(measured(before, after), "good");
       }),
     );
     mirror.addEventListener("change", () =>
@@ -40,7 +67,7 @@ export class SourcePanel {
       if (file.files?.[0]) this.open(file.files[0]);
       file.value = "";
     });
-    $("#pad").append(...DRIVE.map(([key, what]) => el("div", {}, el("kbd", {}, key), what)));
+    $("#sample").addEventListener("click", () => attempt(this.sample));
   }
 
   /** Whether the keyboard moves the person. */
@@ -75,6 +102,15 @@ export class SourcePanel {
     }
   }
 
+  /** Let the keyboard move the person. */
+  drive = () => this.studio.api.post("/api/source", { source: KEYBOARD });
+
+  /** Let the sample that the studio brings along drive the robot. */
+  sample = async () => {
+    const answer = await fetch(`/assets/samples/${SAMPLE}`);
+    await this.open(new File([await answer.blob()], SAMPLE));
+  };
+
   /** @param {string} why "" for nothing */
   #complain(why) {
     text($("#file-error"), why);
@@ -91,7 +127,7 @@ export class SourcePanel {
     }
     const name = sourceName(source);
     text($("#chip-source b"), name);
-    $("#chip-source").title = `Source of human motion: ${source}`;
+    $("#chip-source").title = `Source of human motion: ${name}`;
     text($("#source-now"), name);
     const select = $select("#task");
     if (select.dataset.names !== tasks.join()) {
@@ -105,7 +141,11 @@ export class SourcePanel {
     const known = [...select.options].some((option) => option.value === source);
     if (document.activeElement !== select || !known) select.value = known ? source : "";
     $("#keys-drive").setAttribute("aria-pressed", String(this.driving));
-    $("#pad").hidden = !this.driving;
+    $("#vmc").setAttribute("aria-pressed", String(source === VMC));
+    const pad = $("#pad");
+    const opens = pad.hidden && this.driving;
+    pad.hidden = !this.driving;
+    if (opens) pad.scrollIntoView({ block: "nearest" });
     const box = $input("#mirror");
     if (document.activeElement !== box) box.checked = mirror;
     const leg = calibration.leg_length_m;

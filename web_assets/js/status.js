@@ -1,7 +1,7 @@
 // The line that says what the studio does, or why nothing moves, and the buttons that stop it.
 
 import { $, $button, text } from "./dom.js";
-import { capital } from "./words.js";
+import { capital, stoppedBy } from "./words.js";
 
 /** @import { State } from "../types/page.js" */
 
@@ -52,8 +52,8 @@ export function stopped({ reason, needs_reset }) {
   };
 }
 
-/** @param {State} state */
-export function drawStatus(state) {
+/** @param {State} state @param {string | null} page this one's name */
+export function drawStatus(state, page) {
   const { armed, needs_reset, reason, stale_s } = state;
   const words = stopped(state);
   $("#stopped").hidden = !state.stopped;
@@ -68,21 +68,22 @@ export function drawStatus(state) {
   status.dataset.reason = reason;
   status.title =
     stale_s === null ? "Nobody was seen yet" : `Last human pose ${stale_s.toFixed(1)} s ago`;
-  text($("#status span"), doing(state));
+  const why = stoppedBy(state.why, page, state.control.pages);
+  text($("#status span"), doing({ ...state, why }));
 }
 
 /**
  * Whether the studio is there.
  *
  * @param {"connecting" | "up" | "down" | "locked"} link
- * @param {boolean} silent whether no tick has come for a while
+ * @param {boolean} late whether no tick has come for a while
  */
-export function drawLink(link, silent) {
-  const shown = link === "up" && silent ? "connecting" : link;
+export function drawLink(link, late) {
+  const shown = link === "up" && late ? "connecting" : link;
   $("#chip-link").dataset.link = shown;
   const words = {
     up: "Connected",
-    connecting: silent ? "No ticks" : "Connecting",
+    connecting: late ? "No ticks" : "Connecting",
     down: "Disconnected",
     locked: "Signed out",
   };

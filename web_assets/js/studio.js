@@ -5,7 +5,8 @@ import { Stillness } from "./stillness.js";
 
 /** @import { State, Tick } from "../types/page.js" */
 
-const SILENT = 1000; // ms without a tick until what is shown is stale
+const LATE = 1000; // ms without a tick until the link is doubted
+const SILENT = 3000; // and until what is shown is stale
 
 export class Studio {
   api = new Api();
@@ -23,6 +24,11 @@ export class Studio {
   /** ms without a tick; 0 before the first. */
   get silence() {
     return this.lastTick ? performance.now() - this.lastTick : 0;
+  }
+
+  /** Whether ticks do not come as they should. */
+  get late() {
+    return this.silence > LATE;
   }
 
   /** Whether what is shown is no longer true. */

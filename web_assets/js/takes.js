@@ -1,6 +1,8 @@
 // Recording, and the list of takes.
 
-import { $, $input, attempt, el, icon, takesChanged, text, toast } from "./dom.js";
+import { throwAway } from "./bin.js";
+import { $, $input, attempt, el, icon, text, toast } from "./dom.js";
+import { FRAME } from "./motion.js";
 import { capital, search } from "./words.js";
 
 /** @import { State, Take } from "../types/page.js" */
@@ -11,7 +13,8 @@ const ROWS = 60;
 export class TakesPanel {
   /** @type {Take[]} */
   #takes = [];
-  #recording = false;
+  /** Name of the take being recorded. @type {string | null} */
+  #recording = null;
   /** @type {string | null} */
   #trouble = null;
 
@@ -24,6 +27,13 @@ export class TakesPanel {
     document.addEventListener("takes-changed", () => this.#refresh());
     this.#refresh();
   }
+
+  /** Open the newest take for review. */
+  reviewLast = () => {
+    const last = this.#takes.at(-1);
+    if (!last) throw new Error("there is no take yet: press Record");
+    return this.openReview(last.name);
+  };
 
   async #record() {
     const { api } = this.studio;
@@ -70,19 +80,20 @@ export class TakesPanel {
       await drive();
       await api.post("/api/mode", { mode: "replay" });
     };
-    const bin = async () => {
-      await api.delete("/api/takes/{name}", { name });
-      takesChanged();
-    };
+    const bin = () => throwAway(api, name);
+    const being = this.#recording === name;
+    const long = `${seconds.toFixed(1)} s · ${ticks} ticks`;
+    const words = el(
+      "div",
+      { class: "name", title: name },
+      el("b", {}, label || name),
+      el("span", {}, being ? "being recorded" : long),
+    );
+    if (being) return el("li", {}, words);
     return el(
       "li",
       {},
-      el(
-        "div",
-        { class: "name", title: name },
-        el("b", {}, label || name),
-        el("span", {}, `${seconds.toFixed(1)} s · ${ticks} ticks`),
-      ),
+      words,
       button("Drive", "Let the recorded person drive the robot again", drive),
       button("Review", "Scrub, trim, align, judge", () => this.openReview(name)),
       button("Replay", "Show the take again as it was", replay),
@@ -92,13 +103,14 @@ export class TakesPanel {
 
   /** @param {State} state */
   draw({ recording, recording_error }) {
-    if (this.#recording && !recording) this.#refresh();
-    this.#recording = recording !== null;
+    const before = this.#recording;
+    this.#recording = recording?.name ?? null;
+    if (before !== this.#recording) this.#refresh();
     const button = $("#record");
-    button.setAttribute("aria-pressed", String(this.#recording));
+    button.setAttribute("aria-pressed", String(this.#recording !== null));
     text($("b", button), recording ? "Stop" : "Record");
     $("#chip-rec").hidden = !recording;
-    if (recording) text($("#chip-rec b"), `${(recording.ticks / 30).toFixed(0)} s`);
+    if (recording) text($("#chip-rec b"), `${(recording.ticks * FRAME).toFixed(0)} s`);
     text($("#record-now"), recording?.name ?? "");
     const error = recording_error ? capital(recording_error) : "";
     if (error && recording_error !== this.#trouble) toast(error);

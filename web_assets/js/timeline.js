@@ -1,5 +1,6 @@
 // The timeline's canvas: scrubbing and trimming by pointer; timeline-paint.js draws it.
 
+import { FRAME } from "./motion.js";
 import { Scale, paintCurves, paintMarks } from "./timeline-paint.js";
 
 /** @import { Curves, Review, Suggestion } from "../types/page.js" */
@@ -8,6 +9,17 @@ const GRIP = 9; // px beside a handle that still hold it
 const HANDLE = 36; // px from the top in which a handle is easy to hold
 const SHORTEST = 0.1; // s that a trim leaves
 const RARELY = 60; // ms between two seeks on the way
+/** How far a key moves, s; Home and End reach past either end. @type {Record<string, number>} */
+const STEPS = {
+  ArrowLeft: -FRAME,
+  ArrowRight: FRAME,
+  ArrowDown: -FRAME,
+  ArrowUp: FRAME,
+  PageDown: -1,
+  PageUp: 1,
+  Home: -Infinity,
+  End: Infinity,
+};
 
 /**
  * Which handle of a trim a pointer holds, or the time under it.
@@ -33,6 +45,19 @@ export function gripAt(handles, { x, y }) {
  */
 export const trimmed = ([start, stop], end, t) =>
   end === 0 ? [Math.min(t, stop - SHORTEST), stop] : [start, Math.max(t, start + SHORTEST)];
+
+/**
+ * What the timeline says of itself.
+ *
+ * @param {number} t s
+ * @param {number} seconds
+ * @param {[number, number]} trim s
+ */
+export function spokenTime(t, seconds, [start, end]) {
+  const whole = start <= 0 && end >= seconds;
+  const kept = whole ? "" : `; kept from ${start.toFixed(2)} to ${end.toFixed(2)}`;
+  return `${t.toFixed(2)} of ${seconds.toFixed(2)} seconds${kept}`;
+}
 
 export class Timeline {
   /** @type {Curves | null} */
@@ -65,6 +90,7 @@ export class Timeline {
     canvas.addEventListener("pointermove", (event) => this.#move(event));
     canvas.addEventListener("pointerup", () => this.#up());
     canvas.addEventListener("pointercancel", () => this.#up());
+    canvas.addEventListener("keydown", (event) => this.#key(event));
     new ResizeObserver(() => this.draw()).observe(canvas);
     const each = () => {
       if (this.#speed && canvas.offsetParent) this.draw();
@@ -80,6 +106,7 @@ export class Timeline {
     this.#trim = edits.trim ?? [0, data.seconds];
     this.#cuts = edits.cuts ?? [];
     this.#flaws = suggestions;
+    this.#speak();
     this.draw();
   }
 
@@ -89,6 +116,29 @@ export class Timeline {
     this.#t = t;
     this.#speed = speed;
     this.#stamp = performance.now();
+    this.#speak();
+    this.draw();
+  }
+
+  /** For whoever hears the page. */
+  #speak() {
+    if (!this.#data) return;
+    const { seconds } = this.#data;
+    this.canvas.setAttribute("aria-valuemax", seconds.toFixed(2));
+    this.canvas.setAttribute("aria-valuenow", this.#t.toFixed(2));
+    this.canvas.setAttribute("aria-valuetext", spokenTime(this.#t, seconds, this.#trim));
+  }
+
+  /** @param {KeyboardEvent} event */
+  #key(event) {
+    const step = STEPS[event.key];
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    if (step === undefined || !this.#data) return;
+    event.preventDefault();
+    this.#t = Math.max(0, Math.min(this.#data.seconds, this.#t + step));
+    this.#speed = 0;
+    this.#seek(this.#t);
+    this.#speak();
     this.draw();
   }
 

@@ -2,12 +2,16 @@
 // viser publishes its internals as `__viserMutable` for tests; where they are missing the view
 // still works, without captions and cameras.
 
-import { stand, place } from "./cameras.js";
-import { $, $$, press, setStyle } from "./dom.js";
+import { place, spread, stand } from "./cameras.js";
+import { $, $$, calm, press, setStyle, text } from "./dom.js";
 
-/** @import { CameraName } from "./cameras.js" */
+/** @import { Box, CameraName } from "./cameras.js" */
 /** @import { Viser, ViewWindow } from "../types/page.js" */
 
+/** A part of a figure, by its name in the scene. */
+const FIGURE = /^\/(human|reference|robot)\//;
+/** ms that a frame is rested after at most. */
+const REST = 400;
 const DRAGS = /** @type {const} */ (["dragenter", "dragover", "dragleave", "drop"]);
 
 export class View {
@@ -15,9 +19,15 @@ export class View {
   #captions = $$(".caption");
   /** @type {Map<HTMLElement, [number, number]>} */
   #sizes = new Map();
+  /** @type {Box[] | null} */
+  #edges = null;
   /** @type {CameraName} */
   #camera = "front";
   #connected = false;
+  /** Whether the processor draws, and the captions need not follow any faster than that. */
+  #spared = false;
+  /** Names of the figures that are not shown, remembered. */
+  #hidden = new Set((localStorage.getItem("hidden") ?? "").split(",").filter(Boolean));
 
   /**
    * @param {{ listen: (target: Window) => void, ready: () => void,
@@ -36,10 +46,22 @@ export class View {
       button.addEventListener("click", () =>
         this.look(/** @type {CameraName} */ (button.dataset.camera)),
       );
+    new ResizeObserver(() => (this.#edges = null)).observe($(".stage-record"));
     new ResizeObserver(() => {
       this.#sizes.clear();
+      this.#edges = null;
       if (this.#connected) this.look(this.#camera, false);
     }).observe(this.#frame);
+    for (const button of $$("#figures button")) {
+      const name = button.dataset.figure ?? "";
+      const press = () => button.setAttribute("aria-pressed", String(!this.#hidden.has(name)));
+      button.addEventListener("click", () => {
+        if (!this.#hidden.delete(name)) this.#hidden.add(name);
+        localStorage.setItem("hidden", [...this.#hidden].join());
+        press();
+      });
+      press();
+    }
     let shown = false;
     const each = () => {
       const viser = this.#inside;
@@ -50,7 +72,8 @@ export class View {
         this.#spare(viser);
         ready();
       }
-      requestAnimationFrame(each);
+      if (this.#spared) setTimeout(() => requestAnimationFrame(each), REST / 4);
+      else requestAnimationFrame(each);
     };
     requestAnimationFrame(each);
   }
@@ -82,14 +105,14 @@ export class View {
     this.#camera = name;
     const { eye, at } = stand(name, this.#frame.clientWidth / this.#frame.clientHeight);
     const [from, to] = [eye, at].map((point) => toThree(viser, point));
-    viser.cameraControl.setLookAt(from.x, from.y, from.z, to.x, to.y, to.z, glide);
+    viser.cameraControl.setLookAt(from.x, from.y, from.z, to.x, to.y, to.z, glide && !calm());
     viser.requestRender();
     press($(".cameras"), "camera", name);
   }
 
   /**
    * Without a graphics card every pixel is work for the processor, which the robot needs: draw
-   * half as fine, without shadows.
+   * half as fine, without shadows, and rest after each frame for as long as it took.
    *
    * @param {Viser} viser
    */
@@ -102,6 +125,8 @@ export class View {
     scene.traverse((thing) => {
       if (thing.isLight) thing.castShadow = false;
     });
+    rested(this.#window);
+    this.#spared = true;
   }
 
   /**
@@ -110,23 +135,53 @@ export class View {
    *
    * @param {Viser} viser
    */
-  #place({ camera, nodeRefFromName }) {
+  #place({ camera, nodeRefFromName, requestRender }) {
     if (!camera || !nodeRefFromName) return false;
+    for (const [path, node] of Object.entries(nodeRefFromName)) {
+      const figure = FIGURE.exec(path)?.[1];
+      if (!figure || !node || node.visible !== this.#hidden.has(figure)) continue;
+      node.visible = !node.visible;
+      requestRender();
+    }
+    const view = this.#size(this.#frame);
     let found = 0;
-    for (const node of this.#captions) {
+    const shown = this.#captions.flatMap((node) => {
       const anchor = nodeRefFromName[`/captions/${node.dataset.figure}`];
-      if (!anchor) continue;
+      if (!anchor) return [];
       found += 1;
       const point = anchor.getWorldPosition(anchor.position.clone()).project(camera);
-      const at = place(point, this.#size(this.#frame), this.#size(node));
-      const transform = at
-        ? `translate(${at.left.toFixed(1)}px, ${at.top.toFixed(1)}px) translate(-50%, -100%)`
-        : "";
-      if (node.dataset.at === transform) continue;
-      node.dataset.at = transform;
-      setStyle(node, { transform, visibility: at ? "visible" : "hidden" });
-    }
+      const size = this.#size(node);
+      const at = this.#hidden.has(node.dataset.figure ?? "") ? null : place(point, view, size);
+      if (!at) this.#put(node, "");
+      return at ? [{ node, size, ...at }] : [];
+    });
+    spread(shown, this.#kept, view[1]).forEach(({ left, top }, i) => {
+      const at = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px) translate(-50%, -100%)`;
+      this.#put(shown[i].node, at);
+    });
     return found === 3;
+  }
+
+  /** @param {HTMLElement} node @param {string} transform "" for nowhere */
+  #put(node, transform) {
+    if (node.dataset.at === transform) return;
+    node.dataset.at = transform;
+    setStyle(node, { transform, visibility: transform ? "visible" : "hidden" });
+  }
+
+  /** What is at the view's edges, and no caption may cover. */
+  get #kept() {
+    if (!this.#edges) {
+      const { left, top } = this.#frame.getBoundingClientRect();
+      const boxes = $$(".stage-record, .cameras, .figures").map((n) => n.getBoundingClientRect());
+      this.#edges = boxes.map((box) => ({
+        left: box.left - left,
+        right: box.right - left,
+        top: box.top - top,
+        bottom: box.bottom - top,
+      }));
+    }
+    return this.#edges;
   }
 
   /** @param {HTMLElement} node @returns {[number, number]} */
@@ -136,16 +191,36 @@ export class View {
     return known;
   }
 
-  /** What stands under each figure's name. @param {Record<string, string>} words */
+  /** Each figure's name and the line below. @param {Record<string, [string, string]>} words */
   caption(words) {
     for (const node of this.#captions) {
-      const line = $("span", node);
-      const word = words[node.dataset.figure ?? ""] ?? "";
-      if (line.textContent === word) continue;
-      line.textContent = word;
+      const [name, line] = words[node.dataset.figure ?? ""] ?? ["", ""];
+      if ($("b", node).textContent === name && $("span", node).textContent === line) continue;
+      text($("b", node), name);
+      text($("span", node), line);
       this.#sizes.delete(node);
     }
   }
+}
+
+/**
+ * A window's next frame is asked for only once half of the time has been left to others: how long
+ * one takes is how long the window waits for it.
+ *
+ * @param {Window} window
+ */
+function rested(window) {
+  const ask = window.requestAnimationFrame.bind(window);
+  let rest = 0;
+  window.requestAnimationFrame = (draw) =>
+    window.setTimeout(() => {
+      const asked = performance.now();
+      ask((now) => {
+        rest = Math.min(REST, 0.7 * rest + 0.3 * (performance.now() - asked));
+        draw(now);
+      });
+    }, rest);
+  window.cancelAnimationFrame = (handle) => window.clearTimeout(handle);
 }
 
 /**

@@ -3,11 +3,14 @@
 /** @import { State, Tick } from "../types/page.js" */
 
 import { $, $$, el } from "./dom.js";
+import { angles } from "./motion.js";
 
 /**
  * @typedef {object} Meaning
  * @property {string} id
  * @property {string} [style] counts where walking means that
+ * @property {string} brief what the person does, in a word or two
+ * @property {string} short what the robot then does, in a word
  * @property {string} you what the person does
  * @property {string} it what the robot then does
  * @property {string} svg
@@ -31,18 +34,24 @@ const TURNING = arrow("M8 31a13 5 0 0 0 22 3m0 0l-5 -1m5 1l-1 -5");
 export const VOCABULARY = [
   {
     id: "stand",
+    brief: "Stand",
+    short: "stands",
     you: "Stand upright, quiet",
     it: "stands",
     svg: UPRIGHT + line("14 23", "15 17", "20 14", "25 17", "26 23") + LEGS,
   },
   {
     id: "tilt",
+    brief: "Lean, twist",
+    short: "tilts",
     you: "Lean, bend or twist your trunk",
     it: "tilts the same way",
     svg: head(29, 10) + line("27 14", "20 24") + line("20 23", "22 17", "27 14", "32 19") + LEGS,
   },
   {
     id: "crouch",
+    brief: "Bend knees",
+    short: "crouches",
     you: "Bend your knees a little",
     it: "crouches",
     svg:
@@ -53,6 +62,8 @@ export const VOCABULARY = [
   },
   {
     id: "sit",
+    brief: "Squat deep",
+    short: "sits",
     you: "Squat deep, or sit",
     it: "sits, both paws free",
     svg:
@@ -63,6 +74,8 @@ export const VOCABULARY = [
   },
   {
     id: "reach",
+    brief: "Raise an arm",
+    short: "lifts a paw",
     you: "Raise or reach with an arm",
     it: "lifts the paw of that side",
     svg:
@@ -75,6 +88,8 @@ export const VOCABULARY = [
   {
     id: "walk",
     style: "march",
+    brief: "March",
+    short: "walks",
     you: "March in place",
     it: "walks: faster steps, faster pace",
     svg: UPRIGHT + MARCHING_ARMS + line("20 37", "20 24", "28 25", "27 33"),
@@ -82,6 +97,8 @@ export const VOCABULARY = [
   {
     id: "walk",
     style: "circles",
+    brief: "Circle hands",
+    short: "walks",
     you: "Circle your hands in turn, as if pedalling",
     it: "walks: faster circles, faster pace",
     svg:
@@ -94,6 +111,8 @@ export const VOCABULARY = [
   {
     id: "walk",
     style: "semantic",
+    brief: "March high",
+    short: "walks",
     you: "March in place, knees high",
     it: "walks: cadence and step height set its speed",
     svg:
@@ -106,6 +125,8 @@ export const VOCABULARY = [
   {
     id: "turn",
     style: "march",
+    brief: "March, twist",
+    short: "turns",
     you: "Twist while marching",
     it: "turns that way",
     svg: UPRIGHT + TWISTED_ARMS + MARCHING_LEGS + TURNING,
@@ -113,6 +134,8 @@ export const VOCABULARY = [
   {
     id: "turn",
     style: "circles",
+    brief: "Circle, twist",
+    short: "turns",
     you: "Twist while circling",
     it: "turns that way",
     svg: UPRIGHT + TWISTED_ARMS + LEGS + TURNING,
@@ -120,6 +143,8 @@ export const VOCABULARY = [
   {
     id: "turn",
     style: "semantic",
+    brief: "March, lean",
+    short: "turns",
     you: "Twist or lean aside while marching",
     it: "turns that way",
     svg: UPRIGHT + TWISTED_ARMS + MARCHING_LEGS + TURNING,
@@ -136,20 +161,19 @@ export function meaningOf({ human, expert, reference }) {
   if (expert === "walk" || expert === "sit") return expert;
   const [right, left] = reference.foot_contact;
   if (right < 0.5 || left < 0.5) return "reach";
-  const [w, x, y, z] = reference.base_quat;
-  const roll = Math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y));
-  const pitch = Math.asin(Math.max(-1, Math.min(1, 2 * (w * y - z * x))));
+  const { roll, pitch } = angles(reference.base_quat);
   if (Math.hypot(roll, pitch) > 0.1) return "tilt";
   return reference.base_pos[2] < 0.25 ? "crouch" : "stand";
 }
 
 /** Put the table on the page. */
 export function startVocabulary() {
-  for (const { id, style, you, it, svg } of VOCABULARY) {
+  for (const { id, style, brief, short, you, it, svg } of VOCABULARY) {
     const hidden = style !== undefined && style !== "march";
-    const row = el("li", { "data-id": id, "data-style": style, hidden });
+    const title = `${you}: the robot ${it}`;
+    const row = el("li", { "data-id": id, "data-style": style, hidden, title });
     row.innerHTML = `<svg viewBox="0 0 40 40" aria-hidden="true">${svg}</svg>`;
-    row.append(el("div", {}, el("b", {}, you), el("span", {}, `the robot ${it}`)));
+    row.append(el("b", {}, brief), el("span", {}, short));
     $("#vocabulary").append(row);
   }
 }

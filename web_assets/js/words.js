@@ -14,11 +14,24 @@ export const jointName = (name) => spoken(name.replace(/^l_/, "left_").replace(/
 /** @param {number} count @param {string} noun */
 export const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
 
+/**
+ * "by page-1a2b3c" is, to a person, "by this page" or "by another page".
+ *
+ * @param {string} why
+ * @param {string | null} page this one's name
+ * @param {string[]} [open] those that are open
+ */
+export const stoppedBy = (why, page, open) =>
+  why.replace(/\bpage-[0-9a-f]{6}\b/g, (name) =>
+    name === page ? "this page" : !open || open.includes(name) ? "another page" : "a closed page",
+  );
+
 /** "bvh:/tmp/…/1a2b3c4d_march.bvh" is, to a person, "march.bvh". @param {string} spec */
 export const sourceName = (spec) =>
   spec
     .replace(/^(bvh|frames):.*[\\/]([0-9a-f]{8}_)?/, "")
     .replace(/^operator:interactive$/, "keyboard")
+    .replace(/^vmc(?=$|:)/, "VMC app")
     .replace(/^(operator|take):/, "$1 · ");
 
 /**

@@ -88,3 +88,23 @@ test("text boxes take text; sliders and boxes to tick do not", () => {
   assert.ok(!onControl(STAGE));
   assert.ok(!onControl(null));
 });
+
+test("keys that would fly the view's camera stop at the frame, whether or not they drive", () => {
+  for (const drives of [true, false]) {
+    const { keyboard } = made({ drives });
+    for (const key of ["w", "a", "s", "d", "q", "e", "ArrowUp"]) {
+      const event = press(key);
+      keyboard.down(event, true);
+      assert.ok(event.stopped, key);
+    }
+    const inPage = press("s");
+    keyboard.down(inPage);
+    assert.ok(!inPage.stopped);
+  }
+});
+
+test("Space never presses Arm", () => {
+  const { done, keyboard } = made();
+  keyboard.down(press(" ", { tagName: "BUTTON", id: "arm" }));
+  assert.deepEqual(done, ["stop"]);
+});

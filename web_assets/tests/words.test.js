@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { capital, counted, jointName, reportLine } from "../js/words.js";
-import { search, sourceName, spoken } from "../js/words.js";
+import { search, sourceName, spoken, stoppedBy } from "../js/words.js";
 
 const take = (name, label = "", note = null, source = "operator") => ({
   name,
@@ -29,6 +29,8 @@ test("a source is named as its user knows it", () => {
   assert.equal(sourceName("operator:tilt"), "operator · tilt");
   assert.equal(sourceName("take:mine"), "take · mine");
   assert.equal(sourceName("operator"), "operator");
+  assert.equal(sourceName("vmc"), "VMC app");
+  assert.equal(sourceName("vmc:40000"), "VMC app:40000");
 });
 
 test("takes are found by every word, in name, label, note or source, the newest first", () => {
@@ -60,4 +62,12 @@ test("what was read of a source is told in a line", () => {
   assert.equal(reportLine(report), "2 of 3 joints · 1 unit = 0.0564 m · up y · 1 frame refused");
   const own = { ...report, scale_m: null, up_axis: null, refused: { frames: 0, why: [] } };
   assert.equal(reportLine(own), "2 of 3 joints");
+});
+
+test("a stop is by this page, by another, or by one that is closed", () => {
+  const why = "stopped: emergency stop by page-0a1b2c; reset, then arm";
+  assert.match(stoppedBy(why, "page-0a1b2c", ["page-0a1b2c"]), /by this page; reset/);
+  assert.match(stoppedBy(why, "page-ffffff", ["page-ffffff", "page-0a1b2c"]), /by another page;/);
+  assert.match(stoppedBy(why, "page-ffffff", ["page-ffffff"]), /by a closed page;/);
+  assert.equal(stoppedBy("the page is wide", null), "the page is wide");
 });

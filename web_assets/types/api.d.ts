@@ -181,7 +181,8 @@ export interface paths {
         put?: never;
         /**
          * Gain
-         * @description A slider: tilt_gain (times the trunk's tilt), dead_zone (rad) or speed_cap (m/s).
+         * @description A slider: tilt_gain (times the trunk's tilt), dead_zone (rad), speed_cap (m/s) or joint_speed
+         *     (rad/s).
          */
         post: operations["gain_api_gain_post"];
         delete?: never;
@@ -1422,11 +1423,6 @@ export interface components {
             /** Moving */
             moving: boolean;
         };
-        /** HTTPValidationError */
-        HTTPValidationError: {
-            /** Detail */
-            detail?: components["schemas"]["ValidationError"][];
-        };
         /**
          * Health
          * @description why: what is not as it should be, where it is degraded.
@@ -1719,6 +1715,16 @@ export interface components {
             ticks: number;
         };
         /**
+         * Refused
+         * @description Any refusal. error: the same as `why`.
+         */
+        Refused: {
+            /** Why */
+            why: string;
+            /** Error */
+            error: string;
+        };
+        /**
          * RefusedFrames
          * @description Frames of a source that were not used, and the first reasons why.
          */
@@ -1815,17 +1821,18 @@ export interface components {
         };
         /**
          * SetGain
-         * @description A slider: tilt_gain (times the trunk's tilt), dead_zone (rad) or speed_cap (m/s).
+         * @description A slider: tilt_gain (times the trunk's tilt), dead_zone (rad), speed_cap (m/s) or joint_speed
+         *     (rad/s).
          */
         SetGain: {
             /**
              * Name
              * @enum {string}
              */
-            name: "tilt_gain" | "dead_zone" | "speed_cap";
+            name: "tilt_gain" | "dead_zone" | "speed_cap" | "joint_speed";
             /**
              * Value
-             * @description tilt_gain: 0 to 2; dead_zone: 0 to 0.5; speed_cap: 0 to 1.5
+             * @description tilt_gain: 0 to 2; dead_zone: 0 to 0.5; speed_cap: 0 to 1.5; joint_speed: 1.0472 to 8.37758
              */
             value: number;
         };
@@ -2401,19 +2408,6 @@ export interface components {
             /** Why */
             why: string;
         };
-        /** ValidationError */
-        ValidationError: {
-            /** Location */
-            loc: (string | number)[];
-            /** Message */
-            msg: string;
-            /** Error Type */
-            type: string;
-            /** Input */
-            input?: unknown;
-            /** Context */
-            ctx?: Record<string, never>;
-        };
         /**
          * Human
          * @description A human frame: positions (19, 3) m and confidence (19,) of the skeleton `studio`.
@@ -2421,12 +2415,12 @@ export interface components {
         Human: {
             /** T */
             t: number;
-            /** Skeleton */
-            skeleton: string;
             /** Positions */
             positions: number[][];
             /** Confidence */
             confidence: number[];
+            /** Skeleton */
+            skeleton: string;
         };
         /**
          * MovingPose
@@ -2574,28 +2568,25 @@ export interface components {
             index: number;
             /** T */
             t: number;
-            /**
-             * Mode
-             * @enum {string}
-             */
-            mode: "idle" | "live" | "replay" | "collect";
-            /** State */
-            state: string;
-            /** Transition To */
-            transition_to: string | null;
+            /** Human Fresh */
+            human_fresh: boolean;
             /** Expert */
             expert: string;
             /** Votes */
             votes: {
                 [key: string]: number;
             };
+            /** State */
+            state: string;
+            /** Transition To */
+            transition_to: string | null;
+            /**
+             * Mode
+             * @enum {string}
+             */
+            mode: "idle" | "live" | "replay" | "collect";
             /** Controller */
             controller: string;
-            human: components["schemas"]["Human"] | null;
-            /** Human Fresh */
-            human_fresh: boolean;
-            reference: components["schemas"]["MovingPose"];
-            robot: components["schemas"]["SimulatedPose"];
             /** Target */
             target: number[];
             /** Clipped */
@@ -2612,6 +2603,9 @@ export interface components {
             counters: {
                 [key: string]: number;
             };
+            human: components["schemas"]["Human"] | null;
+            reference: components["schemas"]["MovingPose"];
+            robot: components["schemas"]["SimulatedPose"];
         };
     };
     responses: never;
@@ -2640,13 +2634,6 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content?: never;
-            };
         };
     };
     state_api_state_post: {
@@ -2671,20 +2658,13 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -2711,20 +2691,22 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
-            /** @description Validation Error */
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -2751,20 +2733,22 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
-            /** @description Validation Error */
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -2791,20 +2775,13 @@ export interface operations {
                     "application/json": components["schemas"]["Judged"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -2831,20 +2808,13 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -2871,20 +2841,13 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -2911,20 +2874,13 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -2951,20 +2907,13 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -2991,20 +2940,13 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3031,20 +2973,13 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3071,20 +3006,13 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3107,12 +3035,14 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
         };
     };
@@ -3138,20 +3068,13 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3178,20 +3101,22 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
-            /** @description Validation Error */
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3214,12 +3139,14 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
         };
     };
@@ -3241,12 +3168,14 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
         };
     };
@@ -3268,12 +3197,14 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
         };
     };
@@ -3295,12 +3226,14 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
         };
     };
@@ -3322,12 +3255,14 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
         };
     };
@@ -3353,20 +3288,22 @@ export interface operations {
                     "application/json": components["schemas"]["Started"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
-            /** @description Validation Error */
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3389,12 +3326,14 @@ export interface operations {
                     "application/json": components["schemas"]["Stopped"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
         };
     };
@@ -3420,20 +3359,13 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
-            };
-            /** @description Validation Error */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3462,20 +3394,31 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description there is none of that name: see `why` */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
-            /** @description Validation Error */
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3502,20 +3445,22 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description not applied; `why` says why */
+            /** @description not applied: see `why` */
             409: {
                 headers: {
                     [name: string]: unknown;
                 };
-                content?: never;
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
             };
-            /** @description Validation Error */
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3600,13 +3545,13 @@ export interface operations {
                     "application/json": components["schemas"]["CollectSession"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description there is none of that name: see `why` */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3635,13 +3580,22 @@ export interface operations {
                     "application/json": components["schemas"]["CollectSession"];
                 };
             };
-            /** @description Validation Error */
+            /** @description there is none of that name: see `why` */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3686,13 +3640,13 @@ export interface operations {
                     "application/json": components["schemas"]["TakeInfo"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description there is none of that name: see `why` */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3717,13 +3671,22 @@ export interface operations {
                     "application/json": components["schemas"]["Review"];
                 };
             };
-            /** @description Validation Error */
+            /** @description there is none of that name: see `why` */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3751,13 +3714,22 @@ export interface operations {
                     "application/json": components["schemas"]["Timeline"];
                 };
             };
-            /** @description Validation Error */
+            /** @description there is none of that name: see `why` */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3786,13 +3758,22 @@ export interface operations {
                     "application/json": components["schemas"]["Aligned"];
                 };
             };
-            /** @description Validation Error */
+            /** @description there is none of that name: see `why` */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3821,13 +3802,22 @@ export interface operations {
                     "application/json": components["schemas"]["TakeInfo"];
                 };
             };
-            /** @description Validation Error */
+            /** @description there is none of that name: see `why` */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3856,13 +3846,22 @@ export interface operations {
                     "application/json": components["schemas"]["Split"];
                 };
             };
-            /** @description Validation Error */
+            /** @description there is none of that name: see `why` */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3893,6 +3892,51 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Imported"];
+                };
+            };
+            /** @description how long the body is was not said: see `why` */
+            411: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description too large: see `why` */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description not a kind of file that is read: see `why` */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description there is no room to keep it: see `why` */
+            507: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3937,13 +3981,13 @@ export interface operations {
                     "application/json": components["schemas"]["TakeInfo"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description there is none of that name: see `why` */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -3968,13 +4012,22 @@ export interface operations {
                     "application/json": components["schemas"]["Deleted"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description there is none of that name: see `why` */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -4003,13 +4056,22 @@ export interface operations {
                     "application/json": components["schemas"]["TakeInfo"];
                 };
             };
-            /** @description Validation Error */
+            /** @description there is none of that name: see `why` */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -4034,13 +4096,22 @@ export interface operations {
                     "application/json": components["schemas"]["TakeInfo"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description there is none of that name: see `why` */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -4065,13 +4136,22 @@ export interface operations {
                     "application/json": components["schemas"]["TakeInfo"];
                 };
             };
-            /** @description Validation Error */
-            422: {
+            /** @description there is none of that name: see `why` */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -4098,13 +4178,22 @@ export interface operations {
                     "application/json": unknown;
                 };
             };
-            /** @description Validation Error */
+            /** @description there is none of that name: see `why` */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -4125,6 +4214,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Training"] | null;
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -4151,13 +4249,22 @@ export interface operations {
                     "application/json": components["schemas"]["Training"];
                 };
             };
-            /** @description Validation Error */
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -4180,6 +4287,15 @@ export interface operations {
                     "application/json": components["schemas"]["Training"];
                 };
             };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
         };
     };
     data_sets_api_datasets_get: {
@@ -4200,6 +4316,15 @@ export interface operations {
                     "application/json": components["schemas"]["DataSet"][];
                 };
             };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
         };
     };
     mappers_api_mappers_get: {
@@ -4218,6 +4343,15 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["TrainedMapper"][];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -4242,13 +4376,40 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description Validation Error */
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description too large: see `why` */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description not a kind of file that is read: see `why` */
+            415: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -4302,13 +4463,13 @@ export interface operations {
                     "application/json": components["schemas"]["JointMapAnswer"];
                 };
             };
-            /** @description Validation Error */
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };
@@ -4335,13 +4496,22 @@ export interface operations {
                     "application/json": components["schemas"]["State"];
                 };
             };
-            /** @description Validation Error */
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
             422: {
                 headers: {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["HTTPValidationError"];
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };

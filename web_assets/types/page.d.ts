@@ -78,6 +78,7 @@ export interface Vector {
 }
 
 export interface Node3D {
+  visible: boolean;
   position: Vector;
   getWorldPosition(into: Vector): Vector;
   localToWorld(point: Vector): Vector;

@@ -9,7 +9,7 @@ from studio.errors import StudioError
 from studio.live.collect_stages import ACTIONS, CollectPlan, Slot
 from studio.live.collecting import draw_slots
 from studio.live.command import Command, Made, OneOf
-from studio.live.shown import PlanItem
+from studio.live.shown_motion import PlanItem
 
 if TYPE_CHECKING:
     from studio.live.runtime import Runtime
@@ -29,7 +29,7 @@ Items = Annotated[
 ]
 
 
-class SetPlan(Command, CollectPlan, extra="forbid"):
+class SetPlan(Command, CollectPlan):
     """Choose what to collect, and from whom; mode collect follows it."""
 
     path: ClassVar[str] = "collect/plan"
@@ -50,7 +50,7 @@ class SetPlan(Command, CollectPlan, extra="forbid"):
         return {}
 
 
-class AddToPlan(Command, extra="forbid"):
+class AddToPlan(Command):
     """More to collect, after what is planned."""
 
     path: ClassVar[str] = "collect/add"
@@ -69,7 +69,7 @@ class AddToPlan(Command, extra="forbid"):
         return {}
 
 
-class CollectAction(Command, extra="forbid"):
+class CollectAction(Command):
     """Go, skip the preview, keep, redo, next, abort. Answers the state and, under `judged`, which
     take was kept or rejected."""
 
@@ -82,7 +82,7 @@ class CollectAction(Command, extra="forbid"):
         if runtime.mode != "collect":
             raise StudioError("nothing is collected: choose mode collect first")
         if self.action in ("go", "skip", "redo"):
-            runtime.reading.refuse_ended("collect again (mode live first)")
+            runtime.reader.refuse_ended("collect again (mode live first)")
         return runtime.collector.act(self.action)
 
     def answer(self, state: dict[str, Any], made: Made) -> dict[str, Any]:

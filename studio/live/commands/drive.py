@@ -2,26 +2,25 @@
 
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictBool, model_validator
 
-from studio.control.trackers import CONTROLLERS
+from studio.control.controllers import CONTROLLERS
+from studio.control.staleness import STAND_AFTER
 from studio.errors import StudioError
 from studio.live.command import Command, Made, OneOf, with_why
 from studio.live.mappers import SHIPPED, OpenedMapper, open_mapper
-from studio.live.reading import OpenedSource, open_follower, open_for
 from studio.live.replay import Replay, open_replay
-from studio.options import Travel
+from studio.live.source_reader import OpenedSource, open_follower, open_for
+from studio.options import SCENES, STYLES, Travel
 from studio.reference.intent import STATES
 from studio.retarget.settings import LIMITS, checked_gain
-from studio.retarget.store import STYLES, load_experts
+from studio.retarget.store import load_experts
 
 if TYPE_CHECKING:
     from studio.live.runtime import Runtime
 
 Mode = Literal["idle", "live", "replay", "collect"]
 MODES: tuple[Mode, ...] = ("idle", "live", "replay", "collect")
-SCENES = ("empty",)
-"""Scenes with props come with the composite tasks; until then there is the bare floor."""
 
 
 class SetMode(Command):
@@ -41,8 +40,7 @@ class SetMode(Command):
         if self.mode == "collect":
             return open_follower(runtime.config.puppeteer, runtime.source)
         if self.mode == "replay":
-            kind, _, name = runtime.source.name.partition(":")
-            take = name if kind == "take" else runtime.last_take
+            take = runtime.source.take or runtime.last_take
             return open_replay(runtime.config.sessions, take) if take else None
         return None
 
@@ -86,8 +84,8 @@ class SetSource(Command):
             raise StudioError(
                 "collecting goes on: choose mode live first, then another source, then collect"
             )
-        runtime.acting.forget()
-        runtime.reading.close()
+        runtime.replaced.forget()
+        runtime.reader.close()
         runtime.watch(prepared, now)
         live = runtime.source.starts_live
         runtime.mode, runtime.idle_by_source = ("live" if live else "idle"), not live
@@ -121,7 +119,8 @@ class SetController(Command):
 
 
 class SetGain(Command):
-    """A slider: tilt_gain (times the trunk's tilt), dead_zone (rad) or speed_cap (m/s)."""
+    """A slider: tilt_gain (times the trunk's tilt), dead_zone (rad), speed_cap (m/s) or joint_speed
+    (rad/s)."""
 
     path: ClassVar[str] = "gain"
     name: Annotated[str, OneOf("gain", LIMITS)]
@@ -145,7 +144,7 @@ class SetMirror(Command):
     """Move as in a mirror, or side for side."""
 
     path: ClassVar[str] = "mirror"
-    mirror: bool
+    mirror: StrictBool
 
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Mirror the person from the next pose on."""
@@ -171,8 +170,14 @@ class Calibrate(Command):
     path: ClassVar[str] = "calibrate"
 
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
-        """The way the person faces now is straight ahead."""
-        runtime.puppeteer.retargeter.extractor.calibrator.neutral_now()
+        """The way the person faces now is straight ahead. StudioError where nobody is seen."""
+        age = runtime.safety.stale_s(now)
+        then = "stand before the sensor, upright and quiet, then calibrate"
+        if age is None or age > STAND_AFTER:
+            since = "" if age is None else f" for {age:.0f} s"
+            raise StudioError(f"nobody has been seen{since}: {then}")
+        if not runtime.puppeteer.retargeter.extractor.calibrator.neutral_now():
+            raise StudioError(f"hips and shoulders are not seen: {then}")
         return {}
 
 

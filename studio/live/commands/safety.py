@@ -52,7 +52,7 @@ class Arm(Command):
             raise StudioError(why)
         if runtime.mode == "idle" and runtime.idle_by_source:
             runtime.mode, runtime.idle_by_source = "live", False
-        runtime.puppeteer.meet()
+        runtime.puppeteer.align_robot_to_reference()
         runtime.puppeteer.rejoin()
         return {}
 

@@ -1,32 +1,15 @@
 """Recording takes, and showing them again."""
 
-import re
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from pydantic import BaseModel, Field
+from pydantic import Field, StrictBool
 
 from studio.errors import StudioError
-from studio.live.command import Command, Made
+from studio.live.command import Body, Command, Made
 from studio.live.replay import SPEEDS, Replay, open_review
 
 if TYPE_CHECKING:
     from studio.live.runtime import Runtime
-
-_HASHED = re.compile(r"^[0-9a-f]{8}_")
-
-
-def in_words(spec: str) -> str:
-    """Source and motion of a spec: bvh:/tmp/1a2b3c4d_march.bvh is "bvh march", the operator's tour
-    "operator tour", driving by keys "keyboard"."""
-    kind, _, motion = spec.partition(":")
-    if spec == "operator:interactive":
-        return "keyboard"
-    if kind in ("bvh", "frames"):
-        motion = _HASHED.sub("", Path(motion).stem)
-    elif spec == "operator":
-        motion = "tour"
-    return f"{kind} {motion}".replace("_", " ").strip()
 
 
 class StartTake(Command):
@@ -41,10 +24,10 @@ class StartTake(Command):
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Begin the take; without label and name it is called as its source. StudioError for a
         source that has ended."""
-        runtime.reading.refuse_ended("record")
-        label = self.label.strip() or in_words(runtime.source.name)
+        runtime.reader.refuse_ended("record")
+        label = self.label.strip() or runtime.source.label
         name = runtime.recorder.start(label, name=self.name, about=runtime.about())
-        runtime.puppeteer.meet()
+        runtime.puppeteer.align_robot_to_reference()
         return {"name": name}
 
     def answer(self, state: dict[str, Any], made: Made) -> dict[str, Any]:
@@ -71,13 +54,13 @@ class StopTake(Command):
         return made
 
 
-class Seeking(BaseModel):
+class Seeking(Body):
     """Where to in a take (s), playing on or paused, at a speed (times real time), in a loop."""
 
     t: float | None = Field(default=None, allow_inf_nan=False)
-    playing: bool | None = None
+    playing: StrictBool | None = None
     speed: float | None = Field(default=None, allow_inf_nan=False, ge=SPEEDS[0], le=SPEEDS[1])
-    loop: bool | None = None
+    loop: StrictBool | None = None
 
     def seek(self, replay: Replay) -> None:
         """Move there; what is None stays."""
@@ -97,7 +80,7 @@ class Seek(Seeking, Command):
         return {}
 
 
-class ShowTake(Seeking, Command, extra="forbid"):
+class ShowTake(Seeking, Command):
     """Show a take in the 3-D view (mode replay) as its edits leave it. aligned: the person as lag
     and warp put them. The rest as in seeking."""
 
@@ -105,7 +88,7 @@ class ShowTake(Seeking, Command, extra="forbid"):
     tag: ClassVar[str] = "review"
     misfit_status: ClassVar[int] = 422
     name: str
-    aligned: bool = True
+    aligned: StrictBool = True
 
     def prepare(self, runtime: "Runtime") -> Replay:
         """Read its table, which takes seconds for a take of an hour."""

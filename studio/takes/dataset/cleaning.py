@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.human.posture import SEEN
 from studio.human.skeleton import INDEX, JOINTS
 from studio.robot import a1
 from studio.takes.columns import Columns
@@ -22,7 +23,6 @@ FROZEN_FRAMES = 4
 JITTER_M = 0.035
 """Median second difference over a window, m; 30 Hz webcam noise of 15 mm gives about 0.04."""
 WINDOW_S = 0.3
-LOW_CONFIDENCE = 0.3
 BLOCK_S, OVERLAP_S = 60.0, 1.0
 """s of a block in which suggestions are looked for, and how far blocks overlap."""
 SWAP_MIN_JUMP_M = 0.15
@@ -87,7 +87,7 @@ def jitter(t: Array, joint_pos_w: Array, confidence: Array) -> list[Suggestion]:
     (v = 3 m/s on a 0.5 m circle: a dt^2 = 18 / 900 = 0.02 m) stays under the threshold.
     """
     second = np.linalg.norm(np.diff(joint_pos_w, n=2, axis=0), axis=-1)
-    seen = confidence[1:-1] > LOW_CONFIDENCE
+    seen = confidence[1:-1] > SEEN
     second = np.where(seen, second, 0.0)
     width = max(3, round(WINDOW_S / float(np.median(np.diff(t)))))
     if len(second) < width:
@@ -106,11 +106,11 @@ def jitter(t: Array, joint_pos_w: Array, confidence: Array) -> list[Suggestion]:
 
 
 def low_confidence(t: Array, confidence: Array) -> list[Suggestion]:
-    """Runs in which at least a quarter of the joints ever seen are below LOW_CONFIDENCE."""
-    ever = confidence.max(axis=0) > LOW_CONFIDENCE
+    """Runs in which at least a quarter of the joints ever seen are below SEEN."""
+    ever = confidence.max(axis=0) > SEEN
     if not ever.any():
         return [_suggest("low_confidence", t[0], t[-1], 1.0, "no joint was seen clearly")]
-    hidden = confidence[:, ever] < LOW_CONFIDENCE
+    hidden = confidence[:, ever] < SEEN
     share = hidden.mean(axis=1)
     out = []
     for a, b in _runs(share >= 0.25, single=True):

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from studio import __version__
 from studio.errors import StudioError, unknown_name
-from studio.files import fingerprint, whole
+from studio.files import fingerprint, opened, whole
 from studio.reference.intent import STATES
 from studio.takes.dataset.manifest import read_manifest
 from studio.takes.dataset.pairs import Pairs, settled, take_pairs, walked_in, why_none
@@ -36,11 +36,9 @@ from studio.takes.session_library import SessionLibrary
 DATASETS, TABLE, MANIFEST = "datasets", "pairs.parquet", "manifest.json"
 FORMAT_VERSION = 1
 _CODE = (
-    "geometry", "human/calibration", "human/canonical", "human/features", "human/filters",
-    "human/posture", "human/skeleton", "reference/contact", "reference/motion",
-    "reference/stances", "robot/a1", "robot/kinematics", "robot/legs", "robot/single",
-    "takes/align", "takes/columns", "takes/dataset/pairs", "takes/edit/edited",
-    "takes/record/codec", "takes/record/meta", "takes/record/tape", "takes/take", "takes/tick",
+    "geometry", "rhythm", "timing", "human", "reference", "robot", "takes/align", "takes/columns",
+    "takes/dataset/pairs", "takes/edit", "takes/record", "takes/untrusted", "takes/take",
+    "takes/tick",
 )  # fmt: skip
 _EDITS = ("trim", "cuts", "lag", "warp", "keep", "label")
 _TAKE = ("name", "tape", "edits")
@@ -170,7 +168,7 @@ def _same_style(style: str, walked: Mapping[str, str | None]) -> None:
 def _take_key(library: SessionLibrary, name: str, known: Edits) -> dict[str, Any]:
     folder, edits = library.folder(name), asdict(known)
     try:
-        with (folder / TAPE).open("rb") as file:
+        with opened(folder / TAPE) as file:
             tape = hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise StudioError(f"take {name} has no tape to read: {error.strerror}") from error

@@ -5,7 +5,7 @@ from typing import Any
 
 import msgspec
 
-from studio.takes.stored import Count, Name, read_json
+from studio.takes.untrusted import Count, Name, read_json
 
 
 class _TakeRow(msgspec.Struct):

@@ -17,7 +17,7 @@ import msgspec
 
 from studio.errors import StudioError, unknown_name
 from studio.takes.names import check_name
-from studio.takes.stored import decoded, read_bytes
+from studio.takes.untrusted import decoded, read_bytes
 
 EDITS = "edits.jsonl"
 MOST_EDITS = 16 << 20

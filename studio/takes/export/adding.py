@@ -9,11 +9,10 @@ from typing import Any
 from studio.errors import StudioError
 from studio.files import scratch_folder
 from studio.takes.edit.edits import EDITS
-from studio.takes.export.archive import unpack_takes
-from studio.takes.names import check_take, fit_name, take_folder
+from studio.takes.names import check_take, fit_name, slug, take_folder
 from studio.takes.record.meta import META, TAPE
 from studio.takes.record.recorder import Recorder
-from studio.takes.take import survey_take
+from studio.takes.take import iter_tape, survey_take
 from studio.takes.tick import Tick
 
 SCRATCH = ".import-"
@@ -27,9 +26,10 @@ def add_take(root: Path, folder: Path, name: str | None = None, *, link: bool = 
     for what is no take, for a name that is taken, and if it cannot be written.
     """
     source = Path(folder)
-    if not link:
-        survey_take(source)  # refuses what is no take, or of another version
-    name = name or source.name
+    # The survey refuses what is no take, or of another version.
+    if not link and not survey_take(source).ticks:
+        raise StudioError(f"{source.name} holds no tick: nothing was recorded, or all is damaged")
+    name = source.name if name is None else name
     target = take_folder(root, check_take(name))
     if target.exists():
         raise StudioError(f"a take named {name} exists: give another name")
@@ -68,6 +68,23 @@ def record_take(
         return add_take(root, scratch / name, name)
 
 
+def add_mcap(root: Path, file: Path, name: str | None = None) -> str:
+    """The take in an MCAP file that we exported, or in a tape of another name; its name here.
+
+    Its label is the file's name: the rest of what a take knows about itself lies beside its tape.
+    """
+    if not sum(1 for _ in iter_tape(file)):
+        raise StudioError(f"{file.name} holds no tick of a take")
+    about, label = {"source": f"import:{file.name}"}, slug(file.stem)
+    return record_take(
+        root,
+        iter_tape(file),
+        label=label,
+        about=about,
+        name=free_name(root, file.stem) if name is None else name,
+    )
+
+
 def free_name(root: Path, wanted: str) -> str:
     """`wanted`, made fit to be a take's name, with a number after it where it is taken."""
     name = fit_name(wanted)
@@ -87,16 +104,6 @@ def add_all(root: Path, folders: Iterable[Path]) -> tuple[list[str], dict[str, s
         except StudioError as error:
             refused[folder.name] = str(error)
     return taken, refused
-
-
-def add_zip(root: Path, file: Path) -> tuple[list[str], dict[str, str]]:
-    """The takes in a zip, as `add_all`. StudioError for what is no zip of takes."""
-    try:
-        root.mkdir(parents=True, exist_ok=True)
-        with scratch_folder(SCRATCH, root) as scratch:
-            return add_all(root, unpack_takes(file, scratch))
-    except OSError as error:
-        raise StudioError(f"{file.name} was not imported: {error.strerror}") from error
 
 
 def _share(file: Path, target: Path) -> None:

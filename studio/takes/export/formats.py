@@ -108,4 +108,8 @@ def export_file(take: Take | Sequence[Take], format_name: str, folder: Path) -> 
     path = export(take, format_name, folder)
     if not path.is_dir():
         return path
-    return Path(shutil.make_archive(str(path), "zip", path.parent, path.name))
+    try:
+        return Path(shutil.make_archive(str(path), "zip", path.parent, path.name))
+    except OSError as error:
+        path.with_name(f"{path.name}.zip").unlink(missing_ok=True)
+        raise StudioError(f"cannot write {path.name}.zip: {error.strerror or error}") from error

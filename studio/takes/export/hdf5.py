@@ -12,9 +12,11 @@ import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.errors import StudioError
 from studio.human.skeleton import JOINTS
 from studio.robot import a1
 from studio.takes.export.episodes import Episode, episodes, words
+from studio.takes.export.hdf5_file import hdf5_file
 from studio.takes.take import Take
 
 Array = NDArray[np.float64]
@@ -38,7 +40,7 @@ def write_hdf5(takes: Iterable[Take], path: Path) -> None:
     env = {"env_name": "a1-studio", "type": GYM, "env_kwargs": {"control_hz": a1.CONTROL_HZ}}
     demos: list[str] = []  # whose each is
     actions: list[Array] = []
-    with h5py.File(path, "w") as file:
+    with hdf5_file(path) as file:
         data = file.create_group("data")
         data.attrs["env_args"] = msgspec.json.encode(env).decode()
         data.attrs["joints"] = list(a1.JOINTS)
@@ -60,7 +62,9 @@ def _parts(takes: Iterable[Take]) -> Iterator[tuple[Take, Episode]]:
     found = ((take, part) for take in takes for part in episodes(take))
     take, first = next(found)
     second = next(found, None)
-    at = round((1.0 - HELD_OUT) * len(first))
+    at = min(round((1.0 - HELD_OUT) * len(first)), len(first) - 1)
+    if second is None and not at:
+        raise StudioError(f"take {take.name} has one step: a second one is held out for validation")
     if second is not None:
         yield take, first
         yield second
@@ -82,7 +86,8 @@ def _held_out(demos: list[str]) -> NDArray[np.bool_]:
 def _write_demo(demo: h5py.Group, take: Take, part: Episode) -> None:
     length = len(part)
     demo.attrs["num_samples"] = length
-    demo.attrs["take"], demo.attrs["label"], demo.attrs["task"] = take.name, take.label, words(take)
+    for key, said in (("take", take.name), ("label", take.label), ("task", words(take))):
+        demo.attrs[key] = said.replace("\0", "")  # which ends a text here
     demo.attrs["lag"], demo.attrs["first_tick"] = take.edits.lag or 0.0, int(part.tick[0])
     later = np.minimum(np.arange(length) + 1, length - 1)
     seen = {"human": part.human, "human_confidence": part.confidence}

@@ -5,6 +5,8 @@ before. What an episode does not hold (torques, votes) is zero; the reference's 
 differences.
 """
 
+import itertools
+import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,6 +19,7 @@ from numpy.typing import NDArray
 
 from studio import geometry
 from studio.errors import StudioError
+from studio.files import opened
 from studio.human.pose import HumanPose
 from studio.human.skeleton import NUM_JOINTS
 from studio.robot import a1, kinematics
@@ -24,10 +27,10 @@ from studio.robot.pose import ReferencePose, RobotState
 from studio.takes.edit import edits
 from studio.takes.export.adding import free_name, record_take
 from studio.takes.export.lerobot import NAMES
-from studio.takes.export.lerobot_meta import INFO, ORIGIN
+from studio.takes.export.lerobot_meta import INFO, ORIGIN, TASKS
 from studio.takes.names import fit_name
-from studio.takes.stored import Count, Line, Name, read_json
 from studio.takes.tick import Tick
+from studio.takes.untrusted import Count, Line, Name, read_json
 
 Array = NDArray[np.float64]
 
@@ -36,6 +39,12 @@ _KEYS = (
     "observation.human_confidence", "action",
 )  # fmt: skip
 _MOST = 1 << 28
+_TASK = 1000
+"""Characters of a task's words."""
+_ROWS, _FEW = 200_000, 10_000
+"""Rows of one table: we begin another file after 100,000 (an hour)."""
+_ROW, _RATIO = sum(4 * len(NAMES[key]) for key in _KEYS), 20
+"""Bytes of a row, and how far a file of rows may be packed; ours are by less than three."""
 
 
 class _Feature(msgspec.Struct):
@@ -127,19 +136,41 @@ def _known(folder: Path) -> dict[int, _Origin]:
 
 
 def _episodes(folder: Path) -> Iterator[tuple[int, str, dict[str, Array]]]:
-    """Number, task and arrays of each episode, one row group of a data file in memory at a time."""
+    """Number, task and arrays of each episode, one data file in memory at a time."""
     try:
-        tasks = pq.read_table(folder / "meta/tasks.parquet")
+        _check_rows(folder / TASKS)
+        tasks = pq.read_table(folder / TASKS)
         named = dict(zip(tasks["task_index"].to_pylist(), tasks["task"].to_pylist(), strict=True))
         for path in sorted((folder / "data").glob("chunk-*/file-*.parquet")):
+            _check_rows(path)
             table = pq.read_table(path, columns=[*_KEYS, "episode_index", "task_index"])
             numbers = table["episode_index"].to_numpy()
-            for n in np.unique(numbers).tolist():
-                part = table.filter(pa.array(numbers == n)).combine_chunks()
-                arrays = {key: np.array(part[key].to_pylist(), dtype=np.float64) for key in _KEYS}
-                yield n, str(named.get(part["task_index"][0].as_py(), "")), arrays
+            begins = np.flatnonzero(np.diff(numbers, prepend=numbers[:1] - 1))
+            for first, end in itertools.pairwise([*begins.tolist(), len(numbers)]):
+                part = table.slice(first, end - first)
+                arrays = {key: _vectors(part[key], len(NAMES[key])) for key in _KEYS}
+                task = named.get(part["task_index"][0].as_py(), "")
+                yield int(numbers[first]), str(task)[:_TASK], arrays
     except (OSError, KeyError, ValueError, pa.ArrowException) as error:
         raise StudioError(f"{folder.name} cannot be read: {str(error)[:200]}") from error
+
+
+def _check_rows(path: Path) -> None:
+    """StudioError for a table that unpacks to more than one of ours."""
+    with opened(path) as file:
+        about, size = pq.read_metadata(file), os.fstat(file.fileno()).st_size
+    most = max(_FEW, _RATIO * size // _ROW)
+    if about.num_rows > min(_ROWS, most):
+        raise StudioError(
+            f"{path.parents[2].name}: {path.name} claims {about.num_rows} rows in {size} bytes, at"
+            f" most {min(_ROWS, most)} are read: it is not as a1-studio exported it"
+        )
+
+
+def _vectors(column: pa.ChunkedArray, length: int) -> Array:
+    """(T, length) of a column of lists; ValueError where one is of another length."""
+    flat = [chunk.flatten().to_numpy(zero_copy_only=False) for chunk in column.chunks]
+    return np.concatenate([np.zeros(0), *flat]).reshape(len(column), length).astype(np.float64)
 
 
 def _ticks(arrays: dict[str, Array], states: list[str]) -> Iterator[Tick]:

@@ -17,8 +17,8 @@ from studio.human.pose import HumanPose
 from studio.human.skeleton import JOINTS
 from studio.robot.pose import ReferencePose, RobotState
 from studio.takes.record.tape import TapeScan, scan
-from studio.takes.stored import Seconds, decoded
 from studio.takes.tick import STREAMS, Field, Tick, fields_in
+from studio.takes.untrusted import Seconds, decoded
 
 T = TypeVar("T")
 

@@ -7,7 +7,7 @@ import msgspec
 
 from studio.errors import StudioError
 from studio.files import write_whole
-from studio.takes.stored import Count, Line, Name, Seconds, read_json
+from studio.takes.untrusted import Count, Line, Name, Seconds, read_json
 
 TAPE, META = "tape.mcap", "meta.json"
 FORMAT_VERSION = 1

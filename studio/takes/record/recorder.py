@@ -199,9 +199,11 @@ class Recorder:
             write_meta(folder, meta)
             rewrite_chunked(folder / TAPE, codec.SCHEMAS)
             write_meta(folder, meta | {"complete": True})
-        except OSError as error:
-            self.problem = f"take {folder.name} is kept, but not indexed: {error.strerror}"
-            log.error("%s", self.problem)
+        except Exception as error:  # whatever it is: this thread's end would be seen by nobody
+            why = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            self.problem = f"take {folder.name} is kept, but not indexed: {why}"
+            expected = isinstance(error, OSError | StudioError)
+            log.error("%s", self.problem, exc_info=None if expected else error)
         finally:
             file.close()
 

@@ -20,7 +20,8 @@ import zstandard
 from mcap.writer import CompressionType, Writer
 
 from studio.errors import StudioError
-from studio.files import whole
+from studio.files import opened, whole
+from studio.takes.untrusted import MOST_UNPACKED, may_unpack
 
 LIBRARY = "a1-studio"
 MAGIC = b"\x89MCAP0\r\n"
@@ -29,9 +30,6 @@ CHUNK = 1 << 16
 """Bytes of a chunk before it is packed, about a second: the most a damaged end takes with it."""
 _LARGEST_CHUNK = 1 << 26
 """Bytes: no record of ours is larger, nor what a chunk unpacks to; a larger claim is damage."""
-MOST_UNPACKED, _SMALL, _RATIO = 1 << 33, 1 << 26, 200
-"""Bytes that a tape may unpack to: forty hours; of a smaller file at most _RATIO times its size (of
-ours some ten times), but always _SMALL."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,7 +101,7 @@ def scan(path: Path, found: TapeScan) -> Iterator[Message]:
     Raises StudioError if the file cannot be read or is no tape at all.
     """
     try:
-        with path.open("rb") as file:
+        with opened(path) as file:
             magic = file.read(len(MAGIC))
             if magic != MAGIC and not MAGIC.startswith(magic):
                 raise StudioError(f"{path.name} is no tape: an MCAP file was expected")
@@ -111,7 +109,7 @@ def scan(path: Path, found: TapeScan) -> Iterator[Message]:
                 found.problem = "nothing was recorded"
                 return
             size = os.fstat(file.fileno()).st_size
-            found.left = min(MOST_UNPACKED, max(_SMALL, _RATIO * size))
+            found.left = may_unpack(size)
             yield from _records(file, size, {}, found)
     except OSError as error:
         raise StudioError(f"cannot read {path.name}: {error.strerror}") from error

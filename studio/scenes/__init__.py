@@ -1,1 +1,0 @@
-"""What the operator tries: props, a goal, success(state)."""

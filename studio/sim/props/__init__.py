@@ -1,1 +1,0 @@
-"""Things the robot meets: ball, box, target, slope."""

@@ -1,0 +1,72 @@
+"""Heavy work on files in a process of its own: Python runs one thread at a time, and eight imports
+at once would leave the control loop and every answer a ninth of it."""
+
+import asyncio
+import logging
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures.process import BrokenProcessPool
+from typing import ParamSpec, TypeVar
+
+from studio.errors import StudioError
+
+log = logging.getLogger(__name__)
+P = ParamSpec("P")
+T = TypeVar("T")
+NICENESS = 5
+"""The loop comes first: others take what is left."""
+
+
+class WorkerProcess:
+    """One process, begun when it is first needed; work waits its turn. The event loop's thread."""
+
+    def __init__(self) -> None:
+        self._pool: ProcessPoolExecutor | None = None
+
+    async def run(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
+        """`work`, a function of a module, run there; raises what it raises.
+
+        StudioError where the process was killed in the midst of it.
+        """
+        if self._pool is None:
+            self._pool = ProcessPoolExecutor(
+                max_workers=1,
+                mp_context=multiprocessing.get_context("spawn"),
+                initializer=_settle,
+            )
+        pool = self._pool
+        try:
+            return await asyncio.wrap_future(pool.submit(work, *args, **kwargs))
+        except BrokenProcessPool as error:
+            if self._pool is pool:
+                self._pool = None  # the next one begins another
+            log.error("the process that works on files was ended: %s", error)
+            raise StudioError(
+                "the system ended this work, perhaps for want of memory: try less at once"
+            ) from error
+
+    def close(self) -> None:
+        """End the process, whatever it is at."""
+        pool, self._pool = self._pool, None
+        if pool is not None:
+            for process in list((pool._processes or {}).values()):
+                process.terminate()
+            pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _settle() -> None:
+    """In the new process: give way to others, and end with the one that began it."""
+    os.nice(NICENESS)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is for the server, which ends us
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def end() -> None:
+        parent.join()
+        os._exit(1)
+
+    threading.Thread(target=end, name="parent", daemon=True).start()

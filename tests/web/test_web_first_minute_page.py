@@ -1,0 +1,168 @@
+"""What a new user meets: the names of the figures, a sample, a pad for touch, a guide."""
+
+import numpy as np
+import pytest
+from browsing import click, drawn, until
+from served import Served
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
+
+NAMES = "() => [...document.querySelectorAll('.caption b')].map((b) => b.textContent)"
+BOXES = """() => {
+  const captions = [...document.querySelectorAll('.caption')];
+  if (captions.some((c) => c.style.visibility !== 'visible')) return null;
+  return captions.map((c) => c.getBoundingClientRect()).map(({ left, right }) => [left, right]);
+}"""
+"""Left and right edges, px, once all three are in sight."""
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory):
+    """A server that has to end well."""
+    served = Served(tmp_path_factory.mktemp("sessions"), "--source", "operator:quiet")
+    yield served
+    served.end_well()
+
+
+@pytest.mark.parametrize("width", [390, 1100])
+def test_the_figures_are_named_for_what_they_are(served, browsing, width):
+    served.client.post("/api/source", json={"source": "operator:quiet"})
+    with browsing.page(served, width, 844, reduced_motion="reduce") as page:
+        drawn(page)
+        until(page, f"() => ({NAMES})()[0] === 'Synthetic person'")
+        assert page.evaluate(NAMES)[1:] == ["What it should do", "What physics lets it do"]
+        boxes = np.array(until(page, BOXES))
+        boxes = boxes[boxes[:, 0].argsort()]
+        assert (boxes[:-1, 1] <= boxes[1:, 0]).all(), boxes  # none over another
+        assert boxes.min() >= 0
+        assert boxes.max() <= width
+        served.client.post("/api/source", json={"source": "stream"})
+        until(page, f"() => ({NAMES})()[0] === 'You'")
+
+
+def test_a_sample_drives_the_robot_by_one_click(served, browsing):
+    with browsing.page(served, 1024, 700) as page:
+        drawn(page)
+        click(page, "#sample")
+        served.wait(lambda s: s["source"].endswith("/lean-march-reach.bvh"))
+        until(page, f"() => ({NAMES})()[0] === 'Recorded person'")
+        # By the ticks: a page this busy may be slower than the sample is long.
+        served.wait(lambda _: any(tick["state"] == "walk" for tick in [*served.ticks.values()]))
+
+
+def test_a_finger_on_the_pad_drives_for_as_long_as_it_lies_there(served, browsing):
+    served.client.post("/api/source", json={"source": "operator:quiet"})
+    with browsing.page(served, 390, 844, has_touch=True, is_mobile=True) as page:
+        drawn(page)
+        click(page, "#keys-drive")
+        until(page, "() => !document.querySelector('#pad').hidden")
+        box = page.locator("#pad button").first.bounding_box()
+        stop = page.locator("#stop").bounding_box()
+        assert box["height"] >= 44
+        assert box["y"] + box["height"] < stop["y"]  # in sight, without scrolling by hand
+        finger = page.context.new_cdp_session(page)
+        at = {"x": box["x"] + box["width"] / 2, "y": box["y"] + box["height"] / 2}
+        finger.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [at]})
+        served.wait(lambda s: s["state"] == "walk")
+        assert page.evaluate("() => document.querySelectorAll('#pad .held').length") == 1
+        finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+        until(page, "() => !document.querySelector('#pad .held')")
+        served.wait(lambda s: s["state"] == "stand")
+
+
+def step(page, button: str) -> None:
+    """Wait for the guide's step with this button, and press it."""
+    words = f"() => document.querySelector('#guide .main').textContent === '{button}'"
+    until(page, words)
+    click(page, "#guide .main")
+
+
+def test_the_first_minute_is_guided_to_a_mapper_of_one_s_own(served, browsing):
+    served.client.post("/api/source", json={"source": "operator:quiet"})
+    with browsing.page(served, 1024, 700) as page:
+        drawn(page)
+        assert page.locator("#guide").bounding_box()["y"] < 200
+        step(page, "Use the keyboard")
+        until(page, "() => a1studio.state.source === 'operator:interactive'")
+        page.keyboard.down("w")
+        step(page, "Try a sample")
+        page.keyboard.up("w")
+        step(page, "Record")
+        served.wait(lambda s: s["recording"] and s["recording"]["ticks"] > 60)
+        step(page, "Record")
+        step(page, "Review the take")
+        step(page, "Keep it, go to Train")
+        until(page, "() => document.querySelector('#guide').hidden")
+        until(page, "() => document.activeElement.closest('#train')")
+        (take,) = served.client.get("/api/takes").json()
+        assert take["kept"] is True
+    served.client.post("/api/mode", json={"mode": "live"})
+
+
+def test_the_guide_is_skipped_for_good_and_found_again(served, browsing):
+    with browsing.page(served, 1024, 700) as page:
+        drawn(page)
+        click(page, "#guide .skip-guide")
+        assert page.is_hidden("#guide")
+        page.reload()
+        drawn(page)
+        assert page.is_hidden("#guide")
+        click(page, "#help")
+        click(page, "#guide-again")
+        assert "hold W" in page.inner_text("#guide")
+
+
+def test_everything_the_page_can_do_is_found_by_typing(served, browsing):
+    served.client.post("/api/source", json={"source": "operator:quiet"})
+    with browsing.page(served, 1024, 700) as page:
+        drawn(page)
+        page.keyboard.press("Control+k")
+        until(page, "() => document.querySelector('#palette').open")
+        page.keyboard.type("person cro")
+        until(page, "() => document.querySelectorAll('#palette li').length === 1")
+        page.keyboard.press("Enter")
+        served.wait(lambda s: s["source"] == "operator:crouch")
+        until(page, "() => !document.querySelector('#palette').open")
+
+
+def test_a_hidden_figure_and_its_name_are_gone_until_it_is_shown_again(served, browsing):
+    count = """() => Object.entries(
+      document.querySelector('#view').contentWindow.__viserMutable.nodeRefFromName
+    ).filter(([name, node]) => name.startsWith('/reference/') && node?.visible).length"""
+    named = "document.querySelector('.caption[data-figure=reference]').style.visibility"
+    with browsing.page(served, 1024, 700) as page:
+        drawn(page)
+        parts = until(page, count)
+        click(page, '#figures [data-figure="reference"]')
+        until(page, f"() => ({count})() === 0 && {named} === 'hidden'")
+        page.reload()
+        drawn(page)
+        until(page, f"() => ({count})() === 0 && {named} !== 'visible'")  # remembered
+        click(page, '#figures [data-figure="reference"]')
+        until(page, f"() => ({count})() === {parts} && {named} === 'visible'")
+
+
+def test_asked_and_done_are_plotted_and_taken_away(served, browsing):
+    served.client.post("/api/source", json={"source": "operator:tilt"})
+    with browsing.page(served, 1024, 700) as page:
+        drawn(page)
+        page.keyboard.press("j")
+        until(page, "() => document.querySelector('#plot canvas')")
+        page.select_option("#plot-what", "roll")
+        served.wait(lambda s: any(abs(t["reference"]["base_quat"][1]) > 0.05
+                                  for t in [*served.ticks.values()]))  # fmt: skip
+        page.wait_for_timeout(3000)
+        click(page, "#plot-freeze")
+        with page.expect_download() as download:
+            click(page, "#plot-csv")
+        rows = download.value.path().read_text().splitlines()
+        names = rows[0].split(",")
+        assert names[:3] == ["t_s", "speed_asked_m_s", "speed_done_m_s"]
+        values = np.array([[float(v) for v in row.split(",")] for row in rows[1:]])
+        assert len(values) > 10
+        assert np.isfinite(values).all()
+        asked, done = (values[:, names.index(f"roll_{who}_deg")] for who in ("asked", "done"))
+        assert np.abs(asked - done).max() < 25.0
+        with page.expect_download() as download:
+            click(page, "#plot-png")
+        assert download.value.path().read_bytes()[:4] == b"\x89PNG"

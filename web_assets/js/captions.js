@@ -1,0 +1,34 @@
+// The names of the three figures, and what each does: a pure function, without a page.
+
+import { spoken } from "./words.js";
+
+/** @import { Tick } from "../types/page.js" */
+
+/** Nobody real, somebody recorded, or you. @param {string} source */
+function person(source) {
+  if (source.startsWith("operator")) return "Synthetic person";
+  return /^(bvh|frames|take):/.test(source) ? "Recorded person" : "You";
+}
+
+/**
+ * What is over each figure: its name, and a line below.
+ *
+ * @param {Pick<Tick, "mode" | "state" | "transition_to" | "controller" | "expert" | "fallen"> &
+ *   { human: unknown }} tick
+ * @param {string} source
+ * @returns {Record<"human" | "reference" | "robot", [string, string]>}
+ */
+export function captionsOf(tick, source) {
+  const { mode, state, transition_to, controller, human, expert, fallen } = tick;
+  const shown = mode === "replay" && controller === "recorded";
+  const should = shown ? "What it was shown" : "What it should do";
+  const meaning = expert === "unknown" ? "motion not known" : `meaning: ${expert}`;
+  return {
+    human: [person(mode === "replay" ? "take:" : source), human ? meaning : "nobody seen"],
+    reference: [
+      mode === "collect" ? "What to act out" : should,
+      state === "transition" ? `changing to ${transition_to ?? "…"}` : state,
+    ],
+    robot: ["What physics lets it do", fallen ? "fallen" : spoken(controller)],
+  };
+}

@@ -1,0 +1,44 @@
+import assert from "node:assert/strict";
+import { test } from "node:test";
+
+import { captionsOf } from "../js/captions.js";
+
+const tick = {
+  mode: "live",
+  state: "walk",
+  transition_to: null,
+  controller: "pd_playback",
+  expert: "walk",
+  fallen: false,
+  human: {},
+};
+
+test("three figures are named for what they are", () => {
+  assert.deepEqual(captionsOf(tick, "operator:tilt"), {
+    human: ["Synthetic person", "meaning: walk"],
+    reference: ["What it should do", "walk"],
+    robot: ["What physics lets it do", "pd playback"],
+  });
+  const lost = { ...tick, state: "transition", transition_to: "sit", expert: "unknown" };
+  assert.deepEqual(captionsOf({ ...lost, fallen: true, human: null }, "stream"), {
+    human: ["You", "nobody seen"],
+    reference: ["What it should do", "changing to sit"],
+    robot: ["What physics lets it do", "fallen"],
+  });
+});
+
+test("who the person is depends on where they come from", () => {
+  const who = (source, more = {}) => captionsOf({ ...tick, ...more }, source).human[0];
+  assert.equal(who("operator:interactive"), "Synthetic person");
+  assert.equal(who("bvh:/clips/march.bvh"), "Recorded person");
+  assert.equal(who("take:mine"), "Recorded person");
+  assert.equal(who("webcam"), "You");
+  assert.equal(who("operator", { mode: "replay" }), "Recorded person");
+});
+
+test("what is shown is not what anybody asked the robot to do", () => {
+  const reference = (more) => captionsOf({ ...tick, ...more }, "webcam").reference[0];
+  assert.equal(reference({ mode: "collect" }), "What to act out");
+  assert.equal(reference({ mode: "replay", controller: "recorded" }), "What it was shown");
+  assert.equal(reference({ mode: "replay" }), "What it should do");
+});
