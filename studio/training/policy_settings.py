@@ -41,7 +41,8 @@ class PolicyTraining:
     runs/teacher-STATE for a teacher). resume: go on where the run's stages stopped; checkpoint: go
     on from this one, and `explore`: with actions spread by so much, in units of action, None for
     the checkpoint's own (what is told apart by less than the spread is learnt slowly). publish:
-    copy what was made to models/policy too (always to the run's folder).
+    copy what was made to models/policy too (always to the run's folder). average: a policy's
+    weights; what is kept beside the checkpoint is the mean of them and of what was learnt.
 
     curriculum, randomise, yaw_rate, action, future: what the ablations switch; future: give the
     policy its true reference 0.1, 0.2 and 0.3 s ahead. gate, patience: see Curriculum.
@@ -90,6 +91,7 @@ class PolicyTraining:
     teacher: Path | None = None
     clean: float = 0.0
     explore: float | None = None
+    average: Path | None = None
     checkpoint_seconds: float = 60.0
     ppo: PpoConfig = field(default_factory=PpoConfig)
 

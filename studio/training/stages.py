@@ -1,18 +1,18 @@
 """What `train policy` runs, stage by stage: one command makes a policy of each state.
 
-Standing and sitting ship so; walking ships the mean of two such runs (models/policy/README.md).
-
 A stage sets what its run was not given: settings left at their defaults.
 """
 
 import shutil
 from collections.abc import Mapping
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import Any
 
 from studio.control.policy import MODELS
 from studio.training import variants
-from studio.training.policy_settings import PolicyName, PolicyTraining
+from studio.training.policy_settings import PolicyTraining
+from studio.training.recipes import RECIPES, PolicyName
 
 TEACHER: dict[PolicyName, dict[str, Any]] = {
     "sit": {
@@ -25,7 +25,10 @@ TEACHER: dict[PolicyName, dict[str, Any]] = {
 """States that learn from a teacher of their own, which sees the simulation's whole state."""
 POLICY: dict[PolicyName, dict[str, Any]] = {
     "stand": {"push": 0.6, "samples": 5_000_000},
-    "walk": {"samples": 9_400_000},
+    "walk": {
+        "samples": 9_400_000,
+        "recipe": replace(RECIPES["walk"], travels=0, motors=False, steep=0.0),
+    },
     "sit": {
         "transitions": 48,
         "push": 0.2,
@@ -38,6 +41,12 @@ POLICY: dict[PolicyName, dict[str, Any]] = {
 }
 """Lessons, then PPO alone. Sitting's critic learns alone for 80 iterations first: after 10, PPO
 undid what was taught."""
+ON: dict[PolicyName, dict[str, Any]] = {
+    "walk": {"samples": 4_900_000, "people": 24, "explore": 0.2},
+}
+"""States whose training goes on with the state's whole recipe, after the plain one of `POLICY`, for
+so many samples more. What is kept are both stages' weights averaged: minutes of driving are better
+survived by their mean than by either (models/policy/README.md)."""
 
 
 def stages_of(config: PolicyTraining) -> list[PolicyTraining]:
@@ -54,6 +63,8 @@ def stages_of(config: PolicyTraining) -> list[PolicyTraining]:
     last, teaches = POLICY.get(config.state, {}), TEACHER.get(config.state, {})
     if config.privileged:
         return [with_defaults(config, teaches)]
+    if config.state in ON:
+        return _gone_on(with_defaults(config, last))
     if config.teacher or not teaches:
         return [with_defaults(config, last)]
     run = None if config.run is None else config.run / "teacher"
@@ -61,6 +72,24 @@ def stages_of(config: PolicyTraining) -> list[PolicyTraining]:
     # Together: a run with a teacher has to have lessons.
     taught = {"teacher": first.folder / "teacher.safetensors", "distil": last["distil"]}
     return [first, with_defaults(replace(config, **taught), last)]
+
+
+def _gone_on(config: PolicyTraining) -> list[PolicyTraining]:
+    """`config` as a first stage, and the one that goes on from its checkpoint."""
+    run = None if config.run is None else config.run / "begun"
+    first = replace(config, publish=False, run=run or Path(f"runs/begun-{config.state}"))
+    own = dict(ON[config.state])
+    more = own.pop("samples")
+    if config.samples != POLICY[config.state]["samples"]:  # one's own are each stage's
+        more = config.samples
+    on = replace(
+        config,
+        recipe=None,
+        samples=config.samples + more,  # a run counts those of what it goes on from, too
+        checkpoint=first.folder / "checkpoint.safetensors",
+        average=first.folder / "policy.safetensors",
+    )
+    return [first, with_defaults(on, own)]
 
 
 def with_defaults(config: PolicyTraining, changes: Mapping[str, Any]) -> PolicyTraining:
@@ -92,9 +121,9 @@ def publish(stages: list[PolicyTraining]) -> None:
         / "checkpoints"
         / f"{last.state}.safetensors",
     }
-    for teacher in stages[:-1]:
-        source = teacher.folder / "teacher.safetensors"
-        copies[source] = MODELS / "teachers" / name
+    for stage in stages[:-1]:
+        if stage.privileged:
+            copies[stage.folder / "teacher.safetensors"] = MODELS / "teachers" / name
     for source, target in copies.items():
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(source, target)

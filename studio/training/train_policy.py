@@ -6,14 +6,17 @@ Reads top to bottom: the run, what is kept of it, its line of progress. One iter
 
 import logging
 import time
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from safetensors.numpy import save_file
+from numpy.typing import NDArray
+from safetensors.numpy import load_file, save_file
 
 from studio.control.policy import save_policy
+from studio.errors import StudioError
 from studio.training.device import threads
 from studio.training.parallel import ProcessGroup, join, leave
 from studio.training.policy_settings import PolicyTraining
@@ -54,10 +57,12 @@ def _run(config: PolicyTraining, group: ProcessGroup) -> dict[str, Any]:
     folder = config.folder
     saved = folder / "checkpoint.safetensors"
     trainer = PolicyTrainer(config, group=group)
-    if config.resume or config.checkpoint:
-        trainer.restore(config.checkpoint or saved)
+    if config.checkpoint and not (config.resume and saved.is_file()):
+        trainer.restore(config.checkpoint)
         if config.explore:
             trainer.explore(config.explore)
+    elif config.resume:
+        trainer.restore(saved)
     writer = SummaryWriter(str(folder)) if group.is_main else None
 
     began = last_save = time.monotonic()
@@ -117,7 +122,20 @@ def _keep(trainer: PolicyTrainer, figures: dict[str, float], folder: Path) -> No
     if trainer.config.privileged:
         save_file(trainer.tensors(), folder / "teacher.safetensors")
     else:
-        save_policy(folder / "policy.safetensors", trainer.tensors(), trainer.manifest(scores={}))
+        tensors, manifest = trainer.tensors(), trainer.manifest(scores={})
+        if trainer.config.average:
+            tensors = mean_weights(tensors, load_file(trainer.config.average))
+            manifest["averaged"] = {"with": "the stage it went on from", "share": 0.5}
+        save_policy(folder / "policy.safetensors", tensors, manifest)
+
+
+def mean_weights(
+    one: Mapping[str, NDArray[np.float32]], other: Mapping[str, NDArray[np.float32]]
+) -> dict[str, NDArray[np.float32]]:
+    """Each array the mean of both, normalisers' too; StudioError if they are of other networks."""
+    if {k: v.shape for k, v in one.items()} != {k: v.shape for k, v in other.items()}:
+        raise StudioError("only weights of networks of the same size can be averaged")
+    return {name: np.ascontiguousarray((value + other[name]) / 2) for name, value in one.items()}
 
 
 def _progress(
