@@ -7,7 +7,7 @@ period and says what to show and whether a take begins or ends; `collecting.Coll
 from dataclasses import dataclass, field
 from typing import Literal
 
-from pydantic import Field, StrictBool
+from pydantic import Field, StrictBool, StrictInt
 
 from studio.errors import StudioError, unknown_name
 from studio.live.command import Body
@@ -35,7 +35,7 @@ class CollectPlan(Body):
     notes: str = Field(default="", max_length=4000)
     preview: StrictBool = True
     hands_free: StrictBool = False
-    seed: int | None = Field(default=None, ge=0)
+    seed: StrictInt | None = Field(default=None, ge=0)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,13 +7,15 @@ Its fields with their limits are the HTTP body, the validation and the schema (`
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, TypeVar
 
 from pydantic import (
+    AllowInfNan,
     BaseModel,
     ConfigDict,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
+    Strict,
     model_validator,
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
@@ -24,6 +26,8 @@ if TYPE_CHECKING:
     from studio.live.runtime import Runtime
 
 T = TypeVar("T")
+Number = Annotated[float, Strict(), AllowInfNan(False)]
+"""A finite number of a body, whole or not."""
 Made = dict[str, Any]
 """What a command made: a take's name and ticks, say."""
 
@@ -31,7 +35,7 @@ Made = dict[str, Any]
 class Body(BaseModel):
     """What a request's body may hold: its fields, and no other key.
 
-    A boolean is `StrictBool`: "no", else, would be false and "yes" true.
+    Its fields are `Number`, `StrictInt`, `StrictBool`: else "1" and true would be 1, "no" false.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")

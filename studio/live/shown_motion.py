@@ -6,11 +6,11 @@ from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError, model_validator
+from pydantic import ConfigDict, Field, StrictInt, TypeAdapter, ValidationError, model_validator
 
 from studio import geometry
 from studio.errors import StudioError
-from studio.live.command import OneOf, misfit, with_known_keys
+from studio.live.command import Number, OneOf, misfit, with_known_keys
 from studio.reference.intent import Intent, IntentTrack, StateName
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
@@ -48,9 +48,9 @@ class PlanItem:
 
     __pydantic_config__ = ConfigDict(extra="forbid")
     task: Annotated[str, OneOf("task", TASKS)]
-    takes: Annotated[int, Field(ge=1, le=MAX_TAKES)] = 3
-    seconds: Annotated[float, Field(ge=MIN_SECONDS, le=MAX_SECONDS)] = 8.0
-    difficulty: Annotated[float, Field(ge=0.0, le=1.0)] = 0.7
+    takes: Annotated[StrictInt, Field(ge=1, le=MAX_TAKES)] = 3
+    seconds: Annotated[Number, Field(ge=MIN_SECONDS, le=MAX_SECONDS)] = 8.0
+    difficulty: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.7
 
     @model_validator(mode="before")
     @classmethod

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 from fastapi import APIRouter
-from pydantic import Field, StrictBool
+from pydantic import Field, StrictBool, StrictInt
 
-from studio.live.command import Body
+from studio.live.command import Body, Number
 from studio.takes.align import synchrony
 from studio.takes.as_json import plain
 from studio.takes.edit import edited, review, windows
@@ -27,13 +27,13 @@ class AlignBody(Body):
 class CleanBody(Body):
     """Which suggestions to cut out, by their index in the review; all of them without."""
 
-    which: list[int] | None = Field(default=None, max_length=10_000)
+    which: list[StrictInt] | None = Field(default=None, max_length=10_000)
 
 
 class SplitBody(Body):
     """Where, s into the take."""
 
-    at: float = Field(allow_inf_nan=False)
+    at: Number
 
 
 def review_router(hub: Hub) -> APIRouter:

@@ -10,7 +10,7 @@ from fastapi.responses import FileResponse, Response
 from pydantic import Field, StrictBool
 from starlette.background import BackgroundTask
 
-from studio.live.command import Body
+from studio.live.command import Body, Number
 from studio.takes.export.formats import export_file as export_take
 from studio.takes.listing import TakeInfo
 from studio.takes.session_library import SessionLibrary
@@ -19,18 +19,20 @@ from studio.web.answers_takes import Deleted
 from studio.web.hub import Hub, OffThread
 from studio.web.import_api import import_router
 
+Pair = tuple[Number, Number]
+
 
 class EditBody(Body):
     """Any of a take's edits; what is left out stays."""
 
     label: str | None = Field(default=None, max_length=120)
     note: str | None = Field(default=None, max_length=4000)
-    trim: tuple[float, float] | None = None
-    lag: float | None = Field(default=None, allow_inf_nan=False)
-    warp: list[tuple[float, float]] | None = None
-    cuts: list[tuple[float, float]] | None = None
+    trim: Pair | None = None
+    lag: Number | None = None
+    warp: list[Pair] | None = None
+    cuts: list[Pair] | None = None
     keep: StrictBool | None = None
-    score: float | None = Field(default=None, allow_inf_nan=False)
+    score: Number | None = None
 
 
 def takes_router(hub: Hub) -> APIRouter:

@@ -4,7 +4,7 @@ from datetime import datetime
 from typing import Any, Literal
 
 from fastapi import APIRouter
-from pydantic import Field, StrictBool
+from pydantic import Field, StrictBool, StrictInt
 
 from studio.errors import StudioError
 from studio.live.command import Body
@@ -31,7 +31,7 @@ class TrainBody(Body):
     name: str | None = Field(default=None, max_length=120)
     start: Literal["shipped", "scratch"] = "shipped"
     mirror: StrictBool = True
-    steps: int = Field(default=0, ge=0, le=100_000)
+    steps: StrictInt = Field(default=0, ge=0, le=100_000)
 
 
 def train_router(hub: Hub) -> APIRouter:

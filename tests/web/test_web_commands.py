@@ -114,19 +114,48 @@ def test_a_key_that_is_none_is_refused_everywhere_with_those_that_are(studio_liv
     assert "items.0: unknown key 'colour'; known: difficulty, seconds" in answer.json()["why"]
 
 
-def test_a_boolean_is_true_or_false_everywhere(studio_live, schema, take):
-    found = 0
+NO_FIT = {"boolean": ["yes", 1], "number": ["1", True], "integer": ["1", True, 1.0]}
+"""What would become a boolean or a number, were it not refused, by JSON Schema's type."""
+
+
+def misfits_of(schema, said):
+    """(value, where in it, type) for all in a property that is a boolean or a number."""
+    said = schema["components"]["schemas"].get(said.get("$ref", "").rpartition("/")[2], said)
+    for part in said.get("anyOf", ()):
+        yield from misfits_of(schema, part)
+    kind = said.get("type")
+    for value in NO_FIT.get(kind, ()):
+        yield value, "", kind
+    for name, inner in said.get("properties", {}).items():
+        for value, where, of in misfits_of(schema, inner):
+            yield {name: value}, f".{name}{where}", of
+    if kind == "array":
+        items = said.get("prefixItems", [said.get("items")])
+        for value, where, of in misfits_of(schema, items[0]):
+            yield [value] * len(items), f".0{where}", of
+
+
+def test_a_boolean_or_a_number_is_one_everywhere(studio_live, schema, take):
+    found = []
     for method, url, refusals, properties in asked_for(schema, take):
         for name, said in properties.items():
-            if "boolean" in {
-                said.get("type"),
-                *(part.get("type") for part in said.get("anyOf", ())),
-            }:
-                answer = studio_live.client.request(method, url, json={name: "yes"})
+            for value, where, kind in misfits_of(schema, said):
+                answer = studio_live.client.request(method, url, json={name: value})
                 assert str(answer.status_code) in refusals, url
-                assert f"{name}: Input should be a valid boolean" in answer.json()["why"], url
-                found += 1
-    assert found > 8
+                why = f"{name}{where}: Input should be a valid {kind}"
+                assert why in answer.json()["why"], (url, value)
+                found.append((name, where, kind))
+    assert {
+        ("warp", ".0.0", "number"),
+        ("items", ".0.takes", "integer"),
+        ("value", "", "number"),
+    } <= set(found)
+    assert sum(kind == "boolean" for *_, kind in found) > 16
+
+
+def test_a_whole_number_is_a_number(studio_live):
+    asked = {"name": "tilt_gain", "value": 1}
+    assert studio_live.client.post("/api/gain", json=asked).status_code == 200
 
 
 def test_only_what_frees_a_stopped_robot_must_have_been_sent_after_the_stop():

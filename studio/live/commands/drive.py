@@ -7,7 +7,7 @@ from pydantic import Field, StrictBool, model_validator
 from studio.control.controllers import CONTROLLERS
 from studio.control.staleness import STAND_AFTER
 from studio.errors import StudioError
-from studio.live.command import Command, Made, OneOf, with_why
+from studio.live.command import Command, Made, Number, OneOf, with_why
 from studio.live.mappers import SHIPPED, OpenedMapper, open_mapper
 from studio.live.replay import Replay, open_replay
 from studio.live.source_reader import OpenedSource, open_follower, open_for
@@ -124,8 +124,7 @@ class SetGain(Command):
 
     path: ClassVar[str] = "gain"
     name: Annotated[str, OneOf("gain", LIMITS)]
-    value: float = Field(
-        allow_inf_nan=False,
+    value: Number = Field(
         description="; ".join(f"{k}: {low:g} to {high:g}" for k, (low, high) in LIMITS.items()),
     )
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from pydantic import Field, StrictBool
 
 from studio.errors import StudioError
-from studio.live.command import Body, Command, Made
+from studio.live.command import Body, Command, Made, Number
 from studio.live.replay import SPEEDS, Replay, open_review
 
 if TYPE_CHECKING:
@@ -57,9 +57,9 @@ class StopTake(Command):
 class Seeking(Body):
     """Where to in a take (s), playing on or paused, at a speed (times real time), in a loop."""
 
-    t: float | None = Field(default=None, allow_inf_nan=False)
+    t: Number | None = None
     playing: StrictBool | None = None
-    speed: float | None = Field(default=None, allow_inf_nan=False, ge=SPEEDS[0], le=SPEEDS[1])
+    speed: Number | None = Field(default=None, ge=SPEEDS[0], le=SPEEDS[1])
     loop: StrictBool | None = None
 
     def seek(self, replay: Replay) -> None:
