@@ -135,7 +135,8 @@ def mean_weights(
     """Each array the mean of both, normalisers' too; StudioError if they are of other networks."""
     if {k: v.shape for k, v in one.items()} != {k: v.shape for k, v in other.items()}:
         raise StudioError("only weights of networks of the same size can be averaged")
-    return {name: np.ascontiguousarray((value + other[name]) / 2) for name, value in one.items()}
+    half = np.float32(0.5)
+    return {name: np.multiply(value + other[name], half) for name, value in one.items()}
 
 
 def _progress(

@@ -4,17 +4,22 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from safetensors.numpy import load_file
 
 from studio.errors import StudioError
 from studio.training import checkpoint, stages
 from studio.training.policy_settings import PolicyTraining
 from studio.training.ppo import PpoConfig
+from studio.training.recipes import RECIPES
 from studio.training.stages import stages_of
 from studio.training.train_policy import run_train_policy
 
 LESSON = 4 * 24
 """Samples of one lesson of four robots."""
+PARTS = {"checkpoint": "checkpoint", "average": "policy"}
+"""What a second stage takes of the first, and their files' names."""
 
 
 def test_sitting_trains_a_teacher_and_then_what_it_teaches():
@@ -82,3 +87,36 @@ def test_stages_run_one_after_the_other_are_gone_on_with_and_published(
     run_train_policy(replace(variant, distil=0))
     sidecar = tmp_path / "models" / "ablation" / "sit-no_randomisation.json"
     assert json.loads(sidecar.read_text())["variant"]["changes"] == {"randomise": False}
+
+
+def test_walking_goes_on_through_space_and_is_the_mean_of_both_stages():
+    begun, on = stages_of(PolicyTraining(state="walk", publish=True))
+    assert (begun.samples, begun.made_by.travels, begun.publish) == (9_400_000, 0, False)
+    assert on.checkpoint == begun.folder / "checkpoint.safetensors"
+    assert (on.samples, on.people, on.explore, on.publish) == (14_300_000, 24, 0.2, True)
+    assert on.made_by.travels == 3
+    assert on.average == begun.folder / "policy.safetensors"
+    assert stages_of(PolicyTraining(state="walk", samples=7))[1].samples == 14
+
+
+@pytest.mark.slow
+def test_what_is_kept_of_the_second_stage_is_the_mean(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
+    tiny = PpoConfig(horizon=6, epochs=1, minibatch=12, hidden=(8, 8))
+    config = PolicyTraining(
+        state="walk", samples=24, num_envs=4, motions_per_task=1, transitions=1, people=0,
+        threads=1, ppo=tiny, run=tmp_path / "run",
+    )  # fmt: skip
+    plain = replace(config, recipe=replace(RECIPES["walk"], distil=0), hours=1.0)
+    done = run_train_policy(plain)
+    assert done["samples"] == 24  # a recipe of one's own is one stage
+    begun = plain.folder
+    parts = {name: begun / f"{kind}.safetensors" for name, kind in PARTS.items()}
+    run_train_policy(replace(stages_of(config)[1], distil=0, run=tmp_path / "on", **parts))
+    one, both = (load_file(tmp_path / run / "policy.safetensors") for run in ("run", "on"))
+    learnt = checkpoint.load(tmp_path / "on" / "checkpoint.safetensors")[0]
+    weight = (one["weight_0"] + learnt["actor.mlp.0.weight"].numpy()) / 2
+    np.testing.assert_allclose(both["weight_0"], weight, rtol=1e-6)
+    assert np.abs(one["weight_0"] - weight).max() > 0
