@@ -2,6 +2,7 @@
 
 import json
 import shutil
+import struct
 import threading
 import zipfile
 from pathlib import Path
@@ -90,6 +91,16 @@ def test_a_zip_that_unpacks_to_too_much_is_refused_before_the_disk_is_full(tmp_p
         archive.unpack_takes(file, tmp_path / "into", most=1_000_000)
     written = sum(p.stat().st_size for p in (tmp_path / "into").rglob("*") if p.is_file())
     assert written <= 1_000_000
+
+
+def test_a_zip_that_lists_a_million_members_is_refused_before_they_are_looked_at(tmp_path):
+    file = tmp_path / "many.zip"
+    entry = struct.pack("<4s6H3L5H2L", b"PK\1\2", 20, 20, *[0] * 7, 1, *[0] * 6)
+    listed = (entry + b"a") * 1_000_000
+    end = struct.pack("<4s4H2LH", b"PK\5\6", 0, 0, 0xFFFE, 0xFFFE, len(listed), 0, 0)
+    file.write_bytes(listed + end)
+    with pytest.raises(StudioError, match="lists more members"):
+        archive.unpack_takes(file, tmp_path)
 
 
 @pytest.mark.parametrize("member", ["tape.mcap", "edits.jsonl", "meta.json"])

@@ -6,6 +6,7 @@ member's own path the name of its folder is kept, made fit. A member is looked a
 unpacked: what is no tape, or claims more than files of ours do, is refused at once.
 """
 
+import io
 import re
 import shutil
 import zipfile
@@ -30,6 +31,8 @@ FILES = (TAPE, META, EDITS)
 MAX_TAKES = 10_000
 SPARE = 1 << 28
 """Bytes that stay free on the disk: somebody may be recording there."""
+MOST_LISTED = 8 << 20
+"""Bytes of a zip's list of members: MAX_TAKES take 4 MB."""
 _BLOCK = 1 << 20
 _DATA = re.compile(r"data/chunk-\d{3}/file-\d{3}\.parquet")
 _LARGEST = {META: MOST_JSON, EDITS: MOST_EDITS}
@@ -103,10 +106,21 @@ def unpack_lerobot(file: Path, into: Path, most: int = MOST_UNPACKED) -> Path | 
         return into / name
 
 
+class _ShortList(io.FileIO):
+    """A zip whose list of members is short: zipfile reads it at once, and makes an object of each
+    entry. Members are read in blocks."""
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        """As of any file; BadZipFile where more is asked for at once than a list may have."""
+        if size is not None and size > MOST_LISTED:
+            raise zipfile.BadZipFile("it lists more members than takes have")
+        return super().read(size)
+
+
 @contextmanager
 def _opened(file: Path) -> Iterator[zipfile.ZipFile]:
     try:
-        with zipfile.ZipFile(file) as archive:
+        with _ShortList(file) as data, zipfile.ZipFile(data) as archive:
             yield archive
     except (zipfile.BadZipFile, zlib.error, EOFError) as error:
         raise StudioError(f"{file.name} is no zip that can be read: {error}") from error
