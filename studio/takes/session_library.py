@@ -14,7 +14,7 @@ from studio.takes.export.adding import add_take
 from studio.takes.listing import TakeInfo, examine, is_recording, verified
 from studio.takes.names import take_folder
 from studio.takes.record.meta import META, TAPE
-from studio.takes.take import Take, read_take
+from studio.takes.take import Take, read_take, survey_take
 
 Rows = list[dict[str, Any]]
 Names = list[str]
@@ -69,7 +69,8 @@ class SessionLibrary:
         folder = self.folder(name)
         trim = changes.get("trim")
         if isinstance(trim, list | tuple) and len(trim) == 2:
-            seconds = examine(folder).seconds
+            # What was stopped a moment ago may not say yet how long it is.
+            seconds = (survey_take if is_recording(folder) else examine)(folder).seconds
             if isinstance(trim[1], int | float) and trim[1] > seconds + 1e-6:
                 raise StudioError(f"a trim must end within the take's {seconds:.3f} s")
         edit_log.edit(folder, **changes)

@@ -228,3 +228,16 @@ def test_of_ten_thousand_takes_an_edited_one_is_listed_anew(sessions: Path):
     assert len(library.list()) == 10_001
     edit(sessions / "t00005", label="fresh")
     assert next(t for t in library.list() if t.name == "t00005").label == "fresh"
+
+
+def test_a_take_is_trimmed_before_it_says_how_long_it_is(tmp_path: Path):
+    """As right after a stop, while it is being indexed."""
+    recorder = Recorder(tmp_path)
+    recorder.start(name="new")
+    for tick in make_ticks(30):
+        recorder.append(tick)
+    library = SessionLibrary(tmp_path)
+    assert library.edit("new", trim=(0.1, 0.4)).trim == (0.1, 0.4)
+    with pytest.raises(StudioError, match=r"within the take's 1\.000 s"):
+        library.edit("new", trim=(0.1, 1.4))
+    recorder.close()
