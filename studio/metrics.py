@@ -33,10 +33,19 @@ def _array(x: ArrayLike) -> Array:
     return np.asarray(x, dtype=np.float64)
 
 
+def joint_error_sq(joint_pos: ArrayLike, reference: ArrayLike) -> Array:
+    """Mean square (...) rad² over the joints of (..., 12) rad against (..., 12) rad."""
+    return np.mean((_array(joint_pos) - _array(reference)) ** 2, axis=-1)
+
+
+def rms_deg(mean_square: float) -> float:
+    """Degrees of the root of a mean of squares in rad², such as of `joint_error_sq`."""
+    return float(np.degrees(np.sqrt(mean_square)))
+
+
 def joint_rmse_deg(joint_pos: ArrayLike, reference: ArrayLike) -> float:
     """Root mean square over periods and joints of (T, 12) rad against (T, 12) rad, in degrees."""
-    error = _array(joint_pos) - _array(reference)
-    return float(np.degrees(np.sqrt(np.mean(error**2))))
+    return rms_deg(float(np.mean(joint_error_sq(joint_pos, reference))))
 
 
 def feet_apart(feet: ArrayLike, reference: ArrayLike) -> Array:
@@ -51,20 +60,6 @@ def heading_frame(base_pos: ArrayLike, base_quat: ArrayLike, points_w: ArrayLike
     return geometry.quat_rotate_inverse(geometry.heading_quat(base_quat)[..., None, :], relative)
 
 
-def foot_error(
-    base_pos: ArrayLike,
-    base_quat: ArrayLike,
-    foot_pos_w: ArrayLike,
-    reference_base_pos: ArrayLike,
-    reference_base_quat: ArrayLike,
-    reference_foot_pos_w: ArrayLike,
-) -> Array:
-    """Mean over the feet (T,) m of the distance between base-relative feet in heading frames."""
-    ours = heading_frame(base_pos, base_quat, foot_pos_w)
-    theirs = heading_frame(reference_base_pos, reference_base_quat, reference_foot_pos_w)
-    return feet_apart(ours, theirs)
-
-
 def foot_error_m(
     base_pos: ArrayLike,
     base_quat: ArrayLike,
@@ -73,16 +68,10 @@ def foot_error_m(
     reference_base_quat: ArrayLike,
     reference_foot_pos_w: ArrayLike,
 ) -> float:
-    """`foot_error` averaged over the periods, m."""
-    error = foot_error(
-        base_pos,
-        base_quat,
-        foot_pos_w,
-        reference_base_pos,
-        reference_base_quat,
-        reference_foot_pos_w,
-    )
-    return float(np.mean(error))
+    """Mean over periods and feet, m, between feet relative to the base, in heading frames."""
+    ours = heading_frame(base_pos, base_quat, foot_pos_w)
+    theirs = heading_frame(reference_base_pos, reference_base_quat, reference_foot_pos_w)
+    return float(np.mean(feet_apart(ours, theirs)))
 
 
 def orientation_error(base_quat: ArrayLike, reference: ArrayLike) -> Array:

@@ -17,6 +17,8 @@ rule (`retarget.semantic`)."""
 Scene = Literal["empty"]
 SCENES: tuple[Scene, ...] = get_args(Scene)
 """Scenes with props come with the composite tasks; until then there is the bare floor."""
+PAPER_JOINT_SPEED_DEG = 120.0
+"""Degrees a second that a reference's joints may reach in the paper."""
 Travel = Literal["auto", "off"]
 ControllerName = Literal["stand_still", "pd_playback", "policy"]
 
@@ -71,7 +73,7 @@ class DriveConfig:
     """Mirror the person."""
     travel: Travel = "auto"
     """Walk through space beside a person who does (auto), or read marches alone (off)."""
-    max_joint_speed: float = 120.0
+    max_joint_speed: float = PAPER_JOINT_SPEED_DEG
     """Degrees a second that a standing or sitting reference's joints may reach, 60 to 480: the
     paper's 120 is late and steady (`evaluate response`)."""
     sessions: Path = Path("sessions")

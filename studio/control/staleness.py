@@ -14,6 +14,7 @@ from studio.control.drive_command import Directive, DriveCommand, Reason
 STALE_AFTER = 0.1
 STAND_AFTER = 0.5
 """s."""
+NOBODY_YET = "stale: no human pose yet"
 EPS = 1e-9
 """s: times are sums of periods."""
 
@@ -26,7 +27,7 @@ def stale_directive(age: float) -> Directive:
 def stale_command(age: float) -> DriveCommand:
     """For a drive without a page or a button: only the person can go missing (`age` s ago)."""
     if age == float("inf"):  # nobody yet is no reason to move
-        return DriveCommand(reason="nobody", why="stale: no human pose yet")
+        return DriveCommand(reason="nobody", why=NOBODY_YET)
     directive = stale_directive(age)
     if directive is Directive.FOLLOW:
         return DriveCommand()

@@ -24,7 +24,7 @@ from studio.evaluation.response_signals import GESTURES, STAGES, STEPPING, signa
 from studio.human.calibration import calibrate
 from studio.human.pose import HumanPose
 from studio.mocap.source import Source, SourceEnded
-from studio.options import ControllerName
+from studio.options import PAPER_JOINT_SPEED_DEG, ControllerName
 from studio.puppeteer import Puppeteer
 from studio.reference.marching import march_track
 from studio.retarget.mapper import Mapped
@@ -54,7 +54,7 @@ class Options(TableOptions):
     """Synthetic people a movement."""
     controller: ControllerName | None = None
     """What turns the reference into an action (default: policy once trained)."""
-    max_joint_speed: float = 120.0
+    max_joint_speed: float = PAPER_JOINT_SPEED_DEG
     """Degrees a second, as of `drive`."""
 
 

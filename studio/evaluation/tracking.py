@@ -20,7 +20,7 @@ from studio.errors import unknown_name
 from studio.evaluation.contenders import CONTROLLERS, Contender, contender
 from studio.evaluation.options import PolicyOptions, refuse_none
 from studio.files import fingerprint
-from studio.metrics import bootstrap_ci
+from studio.metrics import bootstrap_ci, rms_deg
 from studio.reference.intent import STATES, StateName
 from studio.rl import rollouts
 from studio.rl.bank import MotionBank, task_names
@@ -42,7 +42,7 @@ Motions = Callable[[StateName, int, int], MotionBank]
 _FIGURES: dict[str, tuple[str, Callable[[float], float]]] = {
     "success_time_ratio": ("success_time", float),
     "tracked_time_ratio": ("tracked_time", float),
-    "joint_rmse_deg": ("joint_ms", lambda x: float(np.rad2deg(np.sqrt(x)))),
+    "joint_rmse_deg": ("joint_ms", rms_deg),
     "foot_error_m": ("foot_error", float),
     "orientation_error_deg": ("tilt_error", lambda x: float(np.rad2deg(x))),
     "height_error_m": ("height_error", float),

@@ -12,7 +12,7 @@ It decides from times and flags that it is told, never from a clock of its own.
 from collections import deque
 
 from studio.control.drive_command import Directive, DriveCommand, Reason
-from studio.control.staleness import EPS, stale_directive, stale_line
+from studio.control.staleness import EPS, NOBODY_YET, stale_directive, stale_line
 
 PAGE_LOST_AFTER = 0.4
 ARM_RAMP = 1.0
@@ -185,7 +185,7 @@ class Safety:
             return Directive.STAND, "source_ended", "ended: the source has no more motion"
         age = self.stale_s(now)
         if age is None:
-            return Directive.REST, "nobody", "stale: no human pose yet"
+            return Directive.REST, "nobody", NOBODY_YET
         directive = stale_directive(age)
         if directive is not Directive.FOLLOW:
             return directive, "stale", stale_line(age)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio import geometry
+from studio.options import PAPER_JOINT_SPEED_DEG
 from studio.reference.intent import StateName
 from studio.robot import a1, kinematics
 from studio.robot.pose import RobotPose
@@ -19,12 +20,12 @@ from studio.robot.pose import RobotPose
 Array = NDArray[np.float64]
 
 JOINT_SPEED: dict[StateName, float] = {
-    "stand": float(np.radians(120.0)),
-    "walk": float(np.radians(900.0)),
-    "sit": float(np.radians(120.0)),
+    "stand": math.radians(PAPER_JOINT_SPEED_DEG),
+    "walk": math.radians(900.0),
+    "sit": math.radians(PAPER_JOINT_SPEED_DEG),
 }
-"""rad/s a reference's joints may reach: the paper's 120 degrees a second, but for walking. A trot
-reaches 330 to 830; at 120 its feet err by 5 to 13 cm."""
+"""rad/s a reference's joints may reach: the paper's, but for walking. A trot reaches 330 to
+830 degrees a second; at 120 its feet err by 5 to 13 cm."""
 
 
 def quickness(state: StateName, joint_speed: float) -> float:

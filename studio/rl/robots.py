@@ -141,7 +141,7 @@ class TrackingRobots:
         dv = np.stack([cy * v[:, 0] + sy * v[:, 1], -sy * v[:, 0] + cy * v[:, 1]], -1)
         rate = geometry.quat_rotate(quat, w.base_ang_vel_b)[:, 2]
         self.metrics = {
-            "joint_sq": np.mean((w.joint_pos - ref_joint) ** 2, axis=-1),
+            "joint_sq": metrics.joint_error_sq(w.joint_pos, ref_joint),
             "foot_error": foot_error,
             "tilt_error": tilt,
             "height_error": np.abs(w.base_pos[:, 2] - bank.base_pos[m, f][:, 2]),

@@ -12,6 +12,7 @@ from typing import Any, cast
 import numpy as np
 import torch
 
+from studio import metrics
 from studio.control.observation_frame import level_quat
 from studio.control.policy import manifest_of
 from studio.errors import StudioError
@@ -69,7 +70,7 @@ class PolicyTrainer:
             self.taught = {"by": by, "samples": self.samples}
             self.seconds += time.perf_counter() - began
             figures["samples_per_second"] = each / (time.perf_counter() - began)
-            figures["joint_rmse_deg"] = float(np.rad2deg(np.sqrt(figures.pop("joint_sq"))))
+            figures["joint_rmse_deg"] = metrics.rms_deg(figures.pop("joint_sq"))
             on_lesson(figures)
         self.warmup = self.config.warmup
         # What was taught is close already: explore around it, not past it.

@@ -10,6 +10,7 @@ import torch
 from rsl_rl.algorithms import PPO
 from tensordict import TensorDict
 
+from studio import metrics
 from studio.control.symmetry import observation_mirror, privileged_mirror
 from studio.rl.env import ImitationEnv
 from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
@@ -202,7 +203,7 @@ class Figures:
     def means(self) -> dict[str, float]:
         """Per-step means; joint RMSE in degrees; tracked-time ratio of the ended episodes."""
         out = {k: v / self.steps for k, v in self.sums.items()}
-        out["joint_rmse_deg"] = float(np.rad2deg(np.sqrt(out.pop("metric/joint_sq"))))
+        out["joint_rmse_deg"] = metrics.rms_deg(out.pop("metric/joint_sq"))
         if self.ratios:
             out["tracked_time_ratio"] = float(np.mean(self.ratios))
         return out

@@ -25,7 +25,10 @@ from studio.web.hub import Hub, refused
 
 
 class ControlBody(Body):
-    """take, release or hand_over (to another page)."""
+    """take, release or hand_over (to another page).
+
+    No `Command`: which page drives is the gateway's to know, before any command reaches the loop.
+    """
 
     page: str = Field(max_length=64)
     action: str = "take"
