@@ -10,6 +10,7 @@ import numpy as np
 
 from studio.errors import StudioError
 from studio.human.calibration import Calibration
+from studio.live import state_parts
 from studio.live.collect_stages import ACTIONS, Collect, CollectPlan, Slot, Step
 from studio.live.disk_writer import DiskWriter
 from studio.live.shown_motion import QUIET_S, Place, PlanItem, at_rest, draw_motion
@@ -183,11 +184,11 @@ class Collector:
 
     # For the page -------------------------------------------------------------------------------
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> state_parts.Collect:
         """The key `collect` of GET /api/state."""
         machine = self.machine
         slot, remaining = machine.slot, machine.remaining
-        out: dict[str, Any] = {
+        out: state_parts.Collect = {
             "phase": machine.phase,
             "t": round(machine.t, 3),
             "remaining": None if remaining is None else round(remaining, 3),
@@ -203,29 +204,32 @@ class Collector:
             "why": self.why or self.disk.problem,
             "plan": _plan(machine.slots),
         }
-        if slot is not None:
-            out |= {
-                "task": slot.item.task,
-                "state": slot.motion.state,
-                "number": slot.number,
-                "takes": slot.item.takes,
-                "try": slot.tries,
-                "prompt": slot.motion.prompt,
-                "seconds": round(slot.motion.seconds, 3),
-                "quiet_s": QUIET_S,
-                "beats": list(slot.motion.beats),
-            }
-        return out
+        if slot is None:
+            return out
+        return {
+            **out,
+            "task": slot.item.task,
+            "state": slot.motion.state,
+            "number": slot.number,
+            "takes": slot.item.takes,
+            "try": slot.tries,
+            "prompt": slot.motion.prompt,
+            "seconds": round(slot.motion.seconds, 3),
+            "quiet_s": QUIET_S,
+            "beats": list(slot.motion.beats),
+        }
 
 
-def _plan(slots: list[Slot]) -> list[dict[str, Any]]:
+def _plan(slots: list[Slot]) -> list[state_parts.PlanRow]:
     """Runs of the same item: task, takes, how many are kept or skipped."""
-    rows: list[dict[str, Any]] = []
+    rows: list[state_parts.PlanRow] = []
     last: PlanItem | None = None
     for slot in slots:
         if slot.item is not last:
-            rows.append({"task": slot.item.task, "seconds": slot.item.seconds, "takes": 0})
-            rows[-1] |= {"kept": 0, "skipped": 0}
+            row = state_parts.PlanRow(
+                task=slot.item.task, seconds=slot.item.seconds, takes=0, kept=0, skipped=0
+            )
+            rows.append(row)
             last = slot.item
         rows[-1]["takes"] += 1
         if slot.verdict:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from studio.errors import StudioError, unknown_name
+from studio.live.state_parts import MapperInUse
 from studio.retarget.store import Experts, read_experts, read_sidecar
 from studio.takes.names import check_name
 
@@ -32,8 +33,8 @@ class Mappers:
         """Use `mapper`; what was in use can be gone back to."""
         self.before, self.now = self.now, mapper
 
-    def as_dict(self) -> dict[str, Any]:
-        """The key `mapper` of GET /api/state: name, style, and the name before, if there is one."""
+    def as_dict(self) -> MapperInUse:
+        """The key `mapper` of GET /api/state."""
         return {
             "name": self.now.name or SHIPPED,
             "style": self.now.experts.style,

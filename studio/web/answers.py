@@ -1,97 +1,16 @@
 """The studio's state as the API answers it: its schema, and so the page's types.
 
-Answers are plain dicts, written out where they are made; nothing here runs when one is given. Each
-type names every key that is sent (a test compares them), so that the schema hides none.
+Answers are plain dicts, written out where they are made; nothing here runs when one is given. The
+state's keys are those of `live.state.KEYS`; each other type names every key that is sent (a test
+compares them), so that the schema hides none.
 """
 
-from typing import Annotated, Any, Literal, NotRequired
+from typing import Any, Literal
 
 from typing_extensions import TypedDict
 
-from studio.control.controllers import CONTROLLERS
-from studio.control.drive_command import Reason
-from studio.live.collect_stages import Phase
-from studio.live.command import OneOf
-from studio.options import STYLES, Travel
-from studio.reference.intent import STATES
-from studio.reference.library import TASKS
-from studio.web.answers_tick import Mode, Pose
-
-Style = Annotated[str, OneOf("style", STYLES)]
-Controller = Annotated[str, OneOf("controller", CONTROLLERS)]
-TaskName = Annotated[str, OneOf("task", TASKS)]
-
-
-class Calibration(TypedDict):
-    """Of the person: heading, leg, and how long it was measured."""
-
-    heading_deg: float
-    leg_length_m: float
-    seconds: float
-
-
-class Recording(TypedDict):
-    """The take being written."""
-
-    name: str
-    ticks: int
-
-
-class Replay(TypedDict):
-    """The take being shown. aligned: None for a source that knows no alignment."""
-
-    name: str
-    t: float
-    seconds: float
-    playing: bool
-    speed: float
-    loop: bool
-    aligned: bool | None
-
-
-class PlanRow(TypedDict):
-    """A run of the same motion in a plan."""
-
-    task: TaskName
-    seconds: float
-    takes: int
-    kept: int
-    skipped: int
-
-
-class Collect(TypedDict("_Try", {"try": int}, total=False)):
-    """Where collecting stands; what follows `plan` is there while a motion is up."""
-
-    phase: Phase
-    t: float
-    remaining: float | None
-    operator: str
-    notes: str
-    hands_free: bool
-    actions: list[str]
-    done: int
-    total: int
-    take: str | None
-    kept: list[str]
-    rejected: list[str]
-    why: str
-    plan: list[PlanRow]
-    task: NotRequired[TaskName]
-    state: NotRequired[str]
-    number: NotRequired[int]
-    takes: NotRequired[int]
-    prompt: NotRequired[str]
-    seconds: NotRequired[float]
-    quiet_s: NotRequired[float]
-    beats: NotRequired[list[float]]
-
-
-class MapperInUse(TypedDict):
-    """before: to which A/B returns."""
-
-    name: str
-    style: Style
-    before: str | None
+from studio.live.state import KEYS
+from studio.live.state_parts import Controller, TaskName
 
 
 class Control(TypedDict):
@@ -102,85 +21,36 @@ class Control(TypedDict):
     free: bool
 
 
-class RefusedFrames(TypedDict):
-    """Frames of a source that were not used, and the first reasons why."""
-
-    frames: int
-    why: list[str]
-
-
-class SourceReport(TypedDict):
-    """What was found in a source. joints_found: ours to the file's; scale_m: m a unit of its."""
-
-    joints_found: dict[str, list[str]]
-    joints_missing: list[str]
-    scale_m: float | None
-    up_axis: str | None
-    refused: RefusedFrames
-    notes: list[str]
+def _says(name: str, says: str, **more: Any) -> Any:
+    """The type of an object that holds the state's keys and `more`."""
+    made: Any = TypedDict(name, {key: kind for key, (kind, _) in KEYS.items()} | more)  # type: ignore[misc]
+    made.__doc__ = says
+    return made
 
 
-class Following(TypedDict):
-    """Whether the robot walks through space beside the person: asked for, they were found to move
-    so, and they do now."""
+_BESIDE: dict[str, Any] = {
+    "control": Control, "tasks": list[TaskName], "controllers": list[Controller],
+}  # fmt: skip
+"""What the gateway adds to the loop's own (`Hub.state`)."""
 
-    mode: Travel
-    found: bool
-    moving: bool
-
-
-class State(TypedDict):
-    """GET /api/state: what the studio is doing, and why nothing moves if nothing does."""
-
-    mode: Mode
-    state: str
-    transition_to: str | None
-    state_lock: Annotated[str, OneOf("state", ("auto", *STATES))]
-    expert: str
-    votes: dict[str, float]
-    stopped: bool
-    armed: bool
-    needs_reset: bool
-    stops: int
-    fallen: bool
-    why: str
-    reason: Reason
-    stale_s: float | None
-    source: str
-    source_report: SourceReport
-    scene: str
-    latency_ms: dict[str, float]
-    period_error_ms: dict[str, float]
-    counters: dict[str, int]
-    robot: Pose  # type: ignore[valid-type]
-    controller: Controller
-    style: Style
-    gains: dict[str, float]
-    mirror: bool
-    travel: Following
-    calibration: Calibration
-    recording: Recording | None
-    recording_error: str | None
-    replay: Replay | None
-    collect: Collect
-    mapper: MapperInUse
-    t: float
-    control: Control
-    tasks: list[TaskName]
-    controllers: list[Controller]
-
-
-class StateMessage(State):
-    """The same, as `WS /api/control` sends it to `page` ten times a second."""
-
-    type: Literal["state"]
-    page: str
-
-
-class Judged(State):
-    """judged: which take an action kept or rejected."""
-
-    judged: dict[str, Any] | None
+State = _says(
+    "State",
+    "GET /api/state: what the studio is doing, and why nothing moves if nothing does.",
+    **_BESIDE,
+)
+StateMessage = _says(
+    "StateMessage",
+    "The same, as `WS /api/control` sends it to `page` ten times a second.",
+    **_BESIDE,
+    type=Literal["state"],
+    page=str,
+)
+Judged = _says(
+    "Judged",
+    "judged: which take an action kept or rejected.",
+    **_BESIDE,
+    judged=dict[str, Any] | None,
+)
 
 
 class Refused(TypedDict):

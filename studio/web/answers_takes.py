@@ -5,10 +5,10 @@ from typing import Any, Literal, NotRequired
 
 from typing_extensions import TypedDict
 
+from studio.live.state_parts import Style, TaskName
 from studio.reference.intent import StateName
 from studio.takes.align.alignment import Alignment
 from studio.takes.listing import TakeInfo
-from studio.web.answers import Style, TaskName
 
 
 class Task(TypedDict):

@@ -4,8 +4,8 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
+from studio.live.tick_message import TickMessage
 from studio.web.answers import StateMessage
-from studio.web.answers_tick import TickMessage
 
 PARTS = "#/components/schemas/"
 FOREIGN = ("HTTPValidationError", "ValidationError")

@@ -41,7 +41,7 @@ from studio.takes.export.formats import export
 from studio.takes.record.recorder import Recorder
 from studio.takes.take import read_take
 from studio.takes.as_json import tick_json
-from studio.web.answers_tick import TickMessage
+from studio.live.tick_message import TickMessage
 from pydantic import TypeAdapter
 
 root, older = Path(sys.argv[1]), Path(sys.argv[2])

@@ -1,6 +1,8 @@
 """The schema's types against real answers: each key that is sent is declared, and the other way."""
 
 import json
+import subprocess
+import sys
 from typing import Any
 
 import numpy as np
@@ -9,10 +11,11 @@ from acted_takes import acted_take, record
 from pydantic import TypeAdapter
 
 from studio.cli import main
+from studio.live import tick_message
 from studio.takes.edit.review import Review
 from studio.takes.export.adding import add_take
 from studio.takes.listing import TakeInfo
-from studio.web import answers, answers_takes, answers_tick
+from studio.web import answers, answers_takes
 
 
 def check(kind: Any, text: str | bytes) -> None:
@@ -35,7 +38,7 @@ def take(studio_at, tmp_path_factory):
 def test_the_state_and_both_sockets_send_what_is_declared(studio_live):
     check(answers.State, studio_live.client.get("/api/state").content)
     with studio_live.ws("/api/ticks") as ws:
-        check(answers_tick.TickMessage, ws.recv(timeout=10))
+        check(tick_message.TickMessage, ws.recv(timeout=10))
     with studio_live.ws("/api/control") as ws:
         check(answers.StateMessage, ws.recv(timeout=10))
 
@@ -79,3 +82,38 @@ def test_the_schema_made_without_a_server_is_the_one_that_is_served(studio_live,
     assert ended.value.code == 0
     made = json.loads((tmp_path / "openapi.json").read_text())
     assert made == studio_live.client.get("/api/openapi.json").json()
+
+
+WITH_MORE = '''
+"""A studio whose state has a key more, in a process of its own."""
+import json, sys
+
+from studio.live import state
+
+state.KEYS["mood"] = state.Key(dict[str, float], lambda seen: {"calm": 1.0})
+
+from pathlib import Path
+from pydantic import TypeAdapter
+from studio.live.loop import LiveLoop, RuntimeConfig
+from studio.web import answers
+from studio.web.gateway import openapi
+
+loop = LiveLoop(RuntimeConfig(source="operator:quiet", sessions=Path(sys.argv[1])))
+loop.tick()
+parts = openapi()["components"]["schemas"]
+print(json.dumps({
+    "said": loop.state_dict()["mood"],
+    **{name: parts[name]["properties"]["mood"] for name in ("State", "StateMessage", "Judged")},
+}))
+'''
+
+
+def test_a_key_added_to_the_state_is_said_and_in_all_of_the_schema(tmp_path):
+    told = [sys.executable, "-c", WITH_MORE, str(tmp_path)]
+    done = subprocess.run(told, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert found.pop("said") == {"calm": 1.0}
+    assert len(found) == 3
+    for kind in found.values():
+        assert kind["additionalProperties"] == {"type": "number"}

@@ -15,11 +15,12 @@ import pytest
 
 from studio.client import AsyncStudio, ClientError, Studio, messages
 from studio.human.sensor_skeletons import SKELETONS
+from studio.live import tick_message
 from studio.live.commands import MODES
 from studio.synthetic.operator import OperatorSource
 from studio.takes.export.formats import FORMATS
 from studio.takes.listing import TakeInfo
-from studio.web import answers, answers_takes, answers_tick
+from studio.web import answers, answers_takes
 
 TOKEN = "test-token-0123456789"
 PAGE = Path(__file__).parents[2] / "docs" / "client.md"
@@ -61,16 +62,19 @@ def test_it_loads_the_standard_library_websockets_and_an_exception():
 
 def test_what_it_promises_is_what_is_sent():
     sent = {
-        messages.Frame: answers_tick.Human,
-        messages.Pose: answers_tick.Pose,
-        messages.SimulatedPose: answers_tick.SimulatedPose,
-        messages.Tick: answers_tick.TickMessage,
+        messages.Frame: tick_message.Human,
+        messages.Pose: tick_message.Pose,
+        messages.SimulatedPose: tick_message.SimulatedPose,
+        messages.Tick: tick_message.TickMessage,
         messages.State: answers.State,
         messages.Take: TakeInfo,
         messages.StoppedTake: answers_takes.Stopped,
     }
     for promised, given in sent.items():
         assert promised.__annotations__.keys() <= inspect.get_annotations(given).keys()
+    contract = Path(__file__).parents[2] / "docs" / "contract.md"
+    (row,) = re.findall(r"^\| `GET /api/state` \| (.*) \|$", contract.read_text(), re.MULTILINE)
+    assert set(re.findall(r"`(\w+)`", row)) == messages.State.__annotations__.keys()
     assert get_args(messages.Mode) == MODES
     assert set(get_args(messages.Format)) == FORMATS.keys()
     assert set(get_args(messages.Skeleton)) == SKELETONS.keys()

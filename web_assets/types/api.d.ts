@@ -1275,6 +1275,8 @@ export interface components {
         /**
          * ControlBody
          * @description take, release or hand_over (to another page).
+         *
+         *     No `Command`: which page drives is the gateway's to know, before any command reaches the loop.
          */
         ControlBody: {
             /** Page */
@@ -1498,38 +1500,44 @@ export interface components {
              * @enum {string}
              */
             mode: "idle" | "live" | "replay" | "collect";
+            /** Stopped */
+            stopped: boolean;
+            /** Stops */
+            stops: number;
+            /** Needs Reset */
+            needs_reset: boolean;
+            /** Armed */
+            armed: boolean;
+            /**
+             * Reason
+             * @enum {string}
+             */
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused";
+            /** T */
+            t: number;
             /** State */
             state: string;
             /** Transition To */
             transition_to: string | null;
-            /**
-             * State Lock
-             * @enum {string}
-             */
-            state_lock: "auto" | "stand" | "walk" | "sit";
             /** Expert */
             expert: string;
             /** Votes */
             votes: {
                 [key: string]: number;
             };
-            /** Stopped */
-            stopped: boolean;
-            /** Armed */
-            armed: boolean;
-            /** Needs Reset */
-            needs_reset: boolean;
-            /** Stops */
-            stops: number;
             /** Fallen */
             fallen: boolean;
             /** Why */
             why: string;
+            /** Counters */
+            counters: {
+                [key: string]: number;
+            };
             /**
-             * Reason
+             * State Lock
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused";
+            state_lock: "auto" | "stand" | "walk" | "sit";
             /** Stale S */
             stale_s: number | null;
             /** Source */
@@ -1543,10 +1551,6 @@ export interface components {
             };
             /** Period Error Ms */
             period_error_ms: {
-                [key: string]: number;
-            };
-            /** Counters */
-            counters: {
                 [key: string]: number;
             };
             robot: components["schemas"]["Pose"];
@@ -1574,8 +1578,6 @@ export interface components {
             replay: components["schemas"]["Replay"] | null;
             collect: components["schemas"]["Collect"];
             mapper: components["schemas"]["MapperInUse"];
-            /** T */
-            t: number;
             control: components["schemas"]["Control"];
             /** Tasks */
             tasks: ("quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate")[];
@@ -2033,38 +2035,44 @@ export interface components {
              * @enum {string}
              */
             mode: "idle" | "live" | "replay" | "collect";
+            /** Stopped */
+            stopped: boolean;
+            /** Stops */
+            stops: number;
+            /** Needs Reset */
+            needs_reset: boolean;
+            /** Armed */
+            armed: boolean;
+            /**
+             * Reason
+             * @enum {string}
+             */
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused";
+            /** T */
+            t: number;
             /** State */
             state: string;
             /** Transition To */
             transition_to: string | null;
-            /**
-             * State Lock
-             * @enum {string}
-             */
-            state_lock: "auto" | "stand" | "walk" | "sit";
             /** Expert */
             expert: string;
             /** Votes */
             votes: {
                 [key: string]: number;
             };
-            /** Stopped */
-            stopped: boolean;
-            /** Armed */
-            armed: boolean;
-            /** Needs Reset */
-            needs_reset: boolean;
-            /** Stops */
-            stops: number;
             /** Fallen */
             fallen: boolean;
             /** Why */
             why: string;
+            /** Counters */
+            counters: {
+                [key: string]: number;
+            };
             /**
-             * Reason
+             * State Lock
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused";
+            state_lock: "auto" | "stand" | "walk" | "sit";
             /** Stale S */
             stale_s: number | null;
             /** Source */
@@ -2078,10 +2086,6 @@ export interface components {
             };
             /** Period Error Ms */
             period_error_ms: {
-                [key: string]: number;
-            };
-            /** Counters */
-            counters: {
                 [key: string]: number;
             };
             robot: components["schemas"]["Pose"];
@@ -2109,8 +2113,6 @@ export interface components {
             replay: components["schemas"]["Replay"] | null;
             collect: components["schemas"]["Collect"];
             mapper: components["schemas"]["MapperInUse"];
-            /** T */
-            t: number;
             control: components["schemas"]["Control"];
             /** Tasks */
             tasks: ("quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate")[];
@@ -2468,38 +2470,44 @@ export interface components {
              * @enum {string}
              */
             mode: "idle" | "live" | "replay" | "collect";
+            /** Stopped */
+            stopped: boolean;
+            /** Stops */
+            stops: number;
+            /** Needs Reset */
+            needs_reset: boolean;
+            /** Armed */
+            armed: boolean;
+            /**
+             * Reason
+             * @enum {string}
+             */
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused";
+            /** T */
+            t: number;
             /** State */
             state: string;
             /** Transition To */
             transition_to: string | null;
-            /**
-             * State Lock
-             * @enum {string}
-             */
-            state_lock: "auto" | "stand" | "walk" | "sit";
             /** Expert */
             expert: string;
             /** Votes */
             votes: {
                 [key: string]: number;
             };
-            /** Stopped */
-            stopped: boolean;
-            /** Armed */
-            armed: boolean;
-            /** Needs Reset */
-            needs_reset: boolean;
-            /** Stops */
-            stops: number;
             /** Fallen */
             fallen: boolean;
             /** Why */
             why: string;
+            /** Counters */
+            counters: {
+                [key: string]: number;
+            };
             /**
-             * Reason
+             * State Lock
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused";
+            state_lock: "auto" | "stand" | "walk" | "sit";
             /** Stale S */
             stale_s: number | null;
             /** Source */
@@ -2513,10 +2521,6 @@ export interface components {
             };
             /** Period Error Ms */
             period_error_ms: {
-                [key: string]: number;
-            };
-            /** Counters */
-            counters: {
                 [key: string]: number;
             };
             robot: components["schemas"]["Pose"];
@@ -2544,8 +2548,6 @@ export interface components {
             replay: components["schemas"]["Replay"] | null;
             collect: components["schemas"]["Collect"];
             mapper: components["schemas"]["MapperInUse"];
-            /** T */
-            t: number;
             control: components["schemas"]["Control"];
             /** Tasks */
             tasks: ("quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate")[];
