@@ -3,7 +3,6 @@
 A request is answered once the loop has applied it.
 """
 
-import asyncio
 import inspect
 from collections.abc import Callable, Coroutine
 from typing import Any
@@ -21,7 +20,7 @@ from studio.takes.as_json import plain
 from studio.takes.session_library import SessionLibrary
 from studio.web.answers import Judged, State, answers
 from studio.web.answers_takes import Started, Stopped
-from studio.web.hub import Hub, refused
+from studio.web.hub import Hub, OffThread, refused
 
 
 class ControlBody(Body):
@@ -65,14 +64,11 @@ def commands_router(hub: Hub) -> APIRouter:
     """Everything that asks the loop for something, and what it is doing."""
     router = APIRouter(prefix="/api")
     library = SessionLibrary(hub.sessions)
+    off_thread = OffThread(hub.workers, 404)
 
     async def known_take(name: str) -> None:
         """404 for a take that is not there."""
-        try:
-            event_loop = asyncio.get_running_loop()
-            await event_loop.run_in_executor(hub.workers, library.folder, name)
-        except StudioError as error:
-            raise refused(str(error), 404) from error
+        await off_thread(library.folder, name)
 
     @router.get("/state", tags=["studio"], **answers(State))
     async def state() -> Response:

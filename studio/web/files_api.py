@@ -1,6 +1,5 @@
 """Dropped motion files: a BVH or JSONL is checked whole, kept for this run, and made the source."""
 
-import asyncio
 import re
 import secrets
 from pathlib import Path
@@ -13,7 +12,7 @@ from studio.human.joint_names import UnmappedJoints
 from studio.live.commands import SetSource
 from studio.sources import SOURCES, open_source
 from studio.web.answers import State, answers
-from studio.web.hub import Hub, refused
+from studio.web.hub import Hub, OffThread, refused
 
 MAX_FILE = 64 * 1024 * 1024
 """Bytes: ten minutes of 120 Hz BVH are 40 MB."""
@@ -30,6 +29,7 @@ def safe_name(name: str) -> str:
 def files_router(hub: Hub) -> APIRouter:
     """`POST /api/files`; what is dropped is kept as long as the studio runs."""
     router = APIRouter(prefix="/api", tags=["studio"])
+    off_thread = OffThread(hub.opening, 422)
 
     @router.post("/files", **answers(State, 409, 413, 415, 422))
     async def drop(name: str, request: Request) -> dict[str, Any]:
@@ -47,9 +47,7 @@ def files_router(hub: Hub) -> APIRouter:
         try:
             await _store(request, path)
             spec = f"{kind}:{path}"
-            await asyncio.get_running_loop().run_in_executor(
-                hub.opening, check, spec, name, hub.sessions
-            )
+            await off_thread(check, spec, name, hub.sessions)
             try:
                 await hub.apply(SetSource(source=spec), request)
             except HTTPException as error:

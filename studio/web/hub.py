@@ -67,10 +67,7 @@ class Hub:
         seen = known if seen is None else min(seen, known)
         pool = self.opening if command.prepares else self.commands
         pool = self.stops if isinstance(command, Stop) else pool
-        event_loop = asyncio.get_running_loop()
-        return await event_loop.run_in_executor(
-            pool, self.loop.submit, command, ANSWER_TIMEOUT, seen
-        )
+        return await OffThread(pool, 409)(self.loop.submit, command, ANSWER_TIMEOUT, seen)
 
     async def apply(self, command: Command, request: Request | None = None) -> Result:
         """Submit for a request; 409 with `why` if the loop, or whoever holds control, refuses."""
@@ -113,7 +110,7 @@ class Hub:
 
 @dataclass(frozen=True)
 class OffThread:
-    """Work on the disk, done by `workers` while the event loop goes on.
+    """The one way off the event loop: work on the disk, or waiting, done by `workers` meanwhile.
 
     A StudioError becomes an answer: HTTPException with this status, or the call's own.
     """

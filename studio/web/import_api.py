@@ -3,10 +3,8 @@
 Names from outside are made fit before they are part of any path.
 """
 
-import asyncio
 import secrets
 import shutil
-from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -19,7 +17,7 @@ from studio.takes.export.archive import FILES
 from studio.takes.names import fit_name
 from studio.web.answers import answers
 from studio.web.answers_takes import Imported
-from studio.web.hub import Hub, refused
+from studio.web.hub import Hub, OffThread, refused
 
 MAX_BODY = 2 * 2**30
 """Bytes of one request: ten hours of tape."""
@@ -72,16 +70,16 @@ async def _take_in(hub: Hub, form: FormData) -> dict[str, Any]:
     """Import the files of a form; 422 with why, where none of them became a take."""
     files = [f for f in form.getlist("files") if isinstance(f, UploadFile) and f.filename]
     name, robot = (str(form.get(key) or "").strip() or None for key in ("name", "robot"))
+    off_thread = OffThread(hub.workers, 422)
     folder = hub.scratch / "imports" / secrets.token_hex(4) / fit_name(name or "take")
     try:
         folder.mkdir(parents=True)
         stored = [folder / _file_name(f.filename or "") for f in files]
-        here = partial(asyncio.get_running_loop().run_in_executor, hub.workers)
         for file, path in zip(files, stored):
-            await here(_store, file.file, path)
+            await off_thread(_store, file.file, path)
         zipped = any(path.suffix.lower() == ".zip" for path in stored)
         if not zipped and sum(path.stat().st_size for path in stored) < SMALL:
-            return await here(take_in, hub.sessions, stored, robot)
+            return await off_thread(take_in, hub.sessions, stored, robot)
         return await hub.worker_process.run(take_in, hub.sessions, stored, robot)
     except StudioError as error:
         raise refused(str(error), 422) from error
