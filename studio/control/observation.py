@@ -9,10 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.control import odometry
 from studio.control.observation_frame import REFERENCE_DIM
 from studio.errors import StudioError
-from studio.geometry import turn_xy
 from studio.robot import a1
 
 Array = NDArray[np.float64]
@@ -21,38 +19,32 @@ FRAMES = 4
 """Frames of z and of the reference in an observation."""
 PAST_ACTIONS = 3
 ACTION_DIM = 12
-YAW_RATE, VELOCITY, GYRO_YAW = 15, slice(16, 18), 16
-"""Places of yaw rate and planar velocity in p̄, and of the yaw rate in z."""
+YAW_RATE, GYRO_YAW = 15, 16
+"""Places of the yaw rate in p̄ and in z."""
 HEADING_CLIP = 0.35
 """rad; a larger error (a robot turned by hand, a fall) is not made up for."""
-PLACE_CLIP = 0.25
-"""m, likewise."""
-MAKES_UP_FROM = 0.02
-"""m/s asked for from which missed way is made up for in full; less at less."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ObservationConfig:
     """What the policy sees.
 
-    yaw_rate: add the gyro's yaw rate to z (the paper: no). heading_gain, place_gain: 1/s, how much
-    of the errors of heading and place (see `History`) is added to the reference's yaw rate and
-    velocity, 0 for none; hold_tau: s in which an error is forgotten; heading_smooth: s over which
-    the heading's error is averaged before it steers, so that what the trunk yaws within a stride
-    does not answer itself. future: control periods ahead of which p̄ is appended (only a simulation
-    can know them).
+    yaw_rate: add the gyro's yaw rate to z (the paper: no). heading_gain: 1/s, how much of the
+    heading's error (see `History`) is added to the reference's yaw rate, 0 for none; hold_tau: s in
+    which an error is forgotten; heading_smooth: s over which it is averaged before it steers, so
+    that what the trunk yaws within a stride does not answer itself. future: control periods ahead
+    of which p̄ is appended (only a simulation can know them).
     """
 
     yaw_rate: bool = True
     heading_gain: float = 0.0
-    place_gain: float = 0.0
     hold_tau: float = 5.0
     heading_smooth: float = 0.0
     future: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        if (self.heading_gain or self.place_gain) and not self.yaw_rate:
-            raise StudioError("holding heading or place needs the gyro's yaw rate: leave it on")
+        if self.heading_gain and not self.yaw_rate:
+            raise StudioError("holding the heading needs the gyro's yaw rate: leave it on")
         object.__setattr__(self, "future", tuple(self.future))  # a list, from JSON
 
     @property
@@ -70,12 +62,8 @@ class ObservationConfig:
         """Name, frames and length of each block in order, for whoever runs the policy alone."""
         z = "joint_pos[12] roll pitch roll_rate pitch_rate" + (" yaw_rate" if self.yaw_rate else "")
         p = "joint_pos[12] base_height roll pitch yaw_rate vel_forward vel_left"
-        held = {"yaw_rate": ("heading", self.heading_gain), "vel": ("place", self.place_gain)}
-        corrected = [
-            f"{field} += gain * error of {of}" for field, (of, gain) in held.items() if gain
-        ]
-        if corrected:
-            p += f" ({', '.join(corrected)})"
+        if self.heading_gain:
+            p += " (yaw_rate += gain * error of heading)"
         blocks: list[dict[str, object]] = [
             {"name": "z", "frames": "t-3..t", "fields": z, "size": FRAMES * self.sensor_dim},
             {"name": "a", "frames": "t-3..t-1", "fields": "action[12]", "size": 36},
@@ -91,15 +79,12 @@ class ObservationConfig:
 class History:
     """The last frames of N robots; one thread only.
 
-    With gains g the reference's yaw rate ψ̄' and velocity v̄ enter as ψ̄' + g e and v̄ + g d, where e
-    and d say how much less the robot has turned and gone than it was asked to, by its gyro and its
-    legs (`odometry`) alone, forgotten with a time constant τ:
+    With a gain g the reference's yaw rate ψ̄' enters as ψ̄' + g e, where e says how much less the
+    robot has turned than it was asked to, by its gyro alone, forgotten with a time constant τ:
 
-        e ← (1 − Δt/τ) (e + (ψ̄' − ω_z) Δt),                     |e| ≤ HEADING_CLIP
-        d ← (1 − Δt/τ) (R(−ω_z Δt) d + R(e) v̄ Δt − odometry),    ‖d‖ ≤ PLACE_CLIP
+        e ← (1 − Δt/τ) (e + (ψ̄' − ω_z) Δt),    |e| ≤ HEADING_CLIP
 
-    e steers as its first-order mean over heading_smooth. Below MAKES_UP_FROM d counts in proportion
-    to the speed asked for.
+    e steers as its first-order mean over heading_smooth.
     """
 
     def __init__(self, num_envs: int, config: ObservationConfig) -> None:
@@ -109,41 +94,33 @@ class History:
         self._past = np.zeros((num_envs, FRAMES, REFERENCE_DIM))
         self.heading_error = np.zeros(num_envs)
         self.steering = np.zeros(num_envs)
-        self.place_error = np.zeros((num_envs, 2))
-        self._feet = np.zeros((num_envs, 4, 3))
-        self._stood = np.zeros((num_envs, 4))
 
     @property
     def reference(self) -> Array:
         """(N, FRAMES, 18), oldest first."""
         return self._past
 
-    def reset(
-        self, ids: NDArray[np.intp] | slice, z: Array, reference: Array, contact: Array
-    ) -> None:
+    def reset(self, ids: NDArray[np.intp] | slice, z: Array, reference: Array) -> None:
         """Fill the history of n robots `ids` with one frame of each and no action.
 
-        z (n, 16 or 17) of `sensor_frame`, reference (n, 18) of `reference_frame`, contact (n, 4).
+        z (n, 16 or 17) of `sensor_frame`, reference (n, 18) of `reference_frame`.
         """
         self.z[ids] = z[:, None]
         self._past[ids] = reference[:, None]
         self.actions[ids] = 0.0
         self.heading_error[ids] = 0.0
         self.steering[ids] = 0.0
-        self.place_error[ids] = 0.0
-        if self.config.place_gain:
-            self._feet[ids], self._stood[ids] = _footholds(z), contact
 
-    def push(self, z: Array, reference: Array, contact: Array) -> None:
-        """A new frame of every robot, as for `reset`; contact: 1 where a foot feels the ground."""
+    def push(self, z: Array, reference: Array) -> None:
+        """A new frame of every robot, as for `reset`."""
         self.z[:, :-1] = self.z[:, 1:]
         self.z[:, -1] = z
         self._past[:, :-1] = self._past[:, 1:]
         self._past[:, -1] = reference
-        if self.config.heading_gain or self.config.place_gain:
-            self._hold(z, reference, contact)
+        if self.config.heading_gain:
+            self._hold(z, reference)
 
-    def _hold(self, z: Array, reference: Array, contact: Array) -> None:
+    def _hold(self, z: Array, reference: Array) -> None:
         """What the robot has missed, and the newest reference with it made up for."""
         config, dt = self.config, a1.CONTROL_DT
         keep = 1.0 - dt / config.hold_tau
@@ -152,18 +129,6 @@ class History:
         self.heading_error = np.minimum(np.maximum(error, -HEADING_CLIP), HEADING_CLIP)
         self.steering += (self.heading_error - self.steering) * dt / max(config.heading_smooth, dt)
         self._past[:, -1, YAW_RATE] += config.heading_gain * self.steering
-        if config.place_gain:
-            feet = _footholds(z)
-            asked = turn_xy(reference[:, VELOCITY] * dt, self.heading_error)
-            gone = odometry.displacement(self._feet, feet, turn, self._stood * contact)
-            self._feet, self._stood = feet, contact
-            error = keep * (turn_xy(self.place_error, -turn) + asked - gone)
-            size = np.hypot(error[:, 0], error[:, 1])[:, None]
-            self.place_error = error * (PLACE_CLIP / np.maximum(size, PLACE_CLIP))
-            # Nobody who is told to stop still runs after what was missed.
-            going = np.hypot(*reference[:, VELOCITY].T) / MAKES_UP_FROM
-            gain = config.place_gain * np.minimum(going, 1.0)[:, None]
-            self._past[:, -1, VELOCITY] += gain * self.place_error
 
     def push_action(self, action: Array) -> None:
         """The action (N, 12) decided on the present observation."""
@@ -183,7 +148,3 @@ class History:
             assert future is not None
             parts.append(future)
         return np.concatenate(parts, axis=1, dtype=np.float32)
-
-
-def _footholds(z: Array) -> Array:
-    return odometry.footholds(z[:, :12], z[:, 12], z[:, 13])

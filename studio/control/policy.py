@@ -130,7 +130,7 @@ class Policy:
     def reset(self, reference: ReferencePose, robot: RobotState) -> None:
         """Forget the past; the history is filled with the present."""
         z, p = self._frames(reference, robot)
-        self.history.reset(slice(None), z, p, robot.foot_contact[None])
+        self.history.reset(slice(None), z, p)
         self._begun = False
 
     def action(self, reference: ReferencePose, robot: RobotState) -> Array:
@@ -144,10 +144,10 @@ class Policy:
             raise StudioError("this policy needs the true future: only `evaluate` can give it that")
         z, p = self._frames(reference, robot)
         if self._begun:
-            self.history.push(z, p, robot.foot_contact[None])
+            self.history.push(z, p)
         else:
             # The first frame of an episode fills the history, as in training.
-            self.history.reset(slice(None), z, p, robot.foot_contact[None])
+            self.history.reset(slice(None), z, p)
             self._begun = True
         output = clip_action(self.network(self.history.observation()).astype(np.float64))
         self.history.push_action(output)
@@ -159,10 +159,10 @@ class Policy:
 
 
 def _observed(saved: dict[str, Any]) -> ObservationConfig:
-    """As a sidecar tells it; up to 0.1 they said of which kind a policy's future is."""
+    """As a sidecar tells it; up to 0.1 they said how much a policy holds its place, too."""
     fields = dict(saved)
-    if fields.pop("future_kind", "true") == "predicted" and fields.get("future"):
-        raise ValueError("it foresees its reference, which is no longer supported")
+    if fields.pop("place_gain", 0.0):
+        raise ValueError("it holds its place, which made robots fall and is no longer supported")
     return ObservationConfig(**fields)
 
 

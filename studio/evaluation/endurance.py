@@ -50,7 +50,6 @@ CASES: tuple[Case, ...] = (
     Case(source=TOUR, dynamics="table_i", sensor="dropped", controller="pd_playback"),
     Case(source=WALK, holds="nothing"),
     Case(source=WALK, holds="heading, within a stride"),
-    Case(source=WALK, holds="heading and place"),
 )
 _FLOW = (
     "control", "human", "mocap", "reference", "retarget", "rl/noise", "robot", "sim", "synthetic",

@@ -39,9 +39,8 @@ MOVING = 0.05
 
 HOLDS: dict[str, dict[str, float]] = {
     "shipped": {},
-    "nothing": {"heading_gain": 0.0, "place_gain": 0.0},
-    "heading, within a stride": {"heading_gain": 1.0, "heading_smooth": 0.0, "place_gain": 0.0},
-    "heading and place": {"heading_gain": 1.0, "heading_smooth": 0.0, "place_gain": 1.0},
+    "nothing": {"heading_gain": 0.0},
+    "heading, within a stride": {"heading_gain": 1.0, "heading_smooth": 0.0},
 }
 """What the walking policy makes up for: its gains in 1/s, see `ObservationConfig`."""
 

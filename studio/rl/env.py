@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from studio.control.action import clip_action, pd_target
 from studio.control.observation import History
 from studio.control.observation_frame import sensor_frame
-from studio.geometry import turn_xy
 from studio.reference.stances import NEUTRAL
 from studio.rl.bank import MotionBank
 from studio.rl.curriculum import Curriculum, stages
@@ -166,7 +165,7 @@ class ImitationEnv(TrackingRobots):
         self._noisy[ids] = self.noise.reset(ids, clean, self.config.noise_scale)
         if bank.seen is not None:
             self._noisy[ids] = bank.seen[m, self.frame[ids]]
-        self.history.reset(ids, self._sensors(ids), self._noisy[ids], self.foot_sensors(ids))
+        self.history.reset(ids, self._sensors(ids), self._noisy[ids])
         if not self.config.evaluation:
             self._lead_astray(ids)
 
@@ -180,17 +179,11 @@ class ImitationEnv(TrackingRobots):
 
     def _lead_astray(self, ids: NDArray[np.intp]) -> None:
         """The anchor to one side of the robot, and the robot's own errors with it."""
-        turn, place = self.config.init_heading, self.config.init_place
+        turn = self.config.init_heading
         if turn:
             self.history.heading_error[ids] = self.rng.uniform(-turn, turn, len(ids))
             self.history.steering[ids] = self.history.heading_error[ids]
             self.anchor_yaw[ids] += self.history.heading_error[ids]
-        if place:
-            angle = self.rng.uniform(0.0, 2.0 * np.pi, len(ids))
-            size = self.rng.uniform(0.0, place, len(ids))
-            local = size[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
-            self.history.place_error[ids] = local
-            self.anchor_pos[ids] += turn_xy(local, self.yaw_of(ids))
 
     def _reset_lowpass(self, ids: NDArray[np.intp], value: Array) -> None:
         where = np.zeros(self.num_envs, dtype=bool)
@@ -239,4 +232,4 @@ class ImitationEnv(TrackingRobots):
     def _sense(self) -> None:
         bank, at = self.bank, (self.motion, self.frame)
         self._noisy = self.noise.step(bank.feature[at]) if bank.seen is None else bank.seen[at]
-        self.history.push(self._sensors(), self._noisy, self.foot_sensors())
+        self.history.push(self._sensors(), self._noisy)

@@ -17,8 +17,8 @@ class EnvConfig:
     full randomisation, and push_every its mean interval in s. noise_scale: of reference noise.
     init_first: share of the episodes that begin with a motion's first frame. init_speed (m/s),
     init_spin (rad/s): of half of the trunks at the start, on top of the reference's.
-    init_heading (rad), init_place (m): how far off its way a robot may begin, so that a policy that
-    holds them learns to steer: its own errors are small and seldom.
+    init_heading: rad, how far off its way a robot may begin, so that a policy that holds its
+    heading learns to steer: its own errors are small and seldom.
     steep: share of the episodes on slopes of STEEP of Table I's largest, which an even draw seldom
     meets and a sitting robot falls on.
     motors: armature, damping and strength of the motors are drawn too, which Table I does not have.
@@ -43,7 +43,6 @@ class EnvConfig:
     init_speed: float = 0.0
     init_spin: float = 0.0
     init_heading: float = 0.0
-    init_place: float = 0.0
     steep: float = 0.0
     motors: bool = False
     evaluation: bool = False

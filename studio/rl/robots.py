@@ -8,11 +8,10 @@ from numpy.typing import NDArray
 
 from studio import geometry, metrics
 from studio.control.observation_frame import heading_of, level_quat
-from studio.control.odometry import CONTACT_GAP
 from studio.rl import reward, termination
 from studio.rl.bank import MotionBank, heading_feet
 from studio.rl.env_config import EnvConfig
-from studio.robot import a1, kinematics
+from studio.robot import a1
 from studio.sim import randomize
 from studio.sim.batch import BatchConfig, BatchWorld
 
@@ -90,15 +89,6 @@ class TrackingRobots:
             10.0 * slope,
         ]
         return np.concatenate(parts, axis=1, dtype=np.float32)
-
-    def foot_sensors(self, ids: Robots = EVERYONE) -> Array:
-        """(n, 4) which feet touch the ground; only read where the place is held."""
-        w = self.world
-        pos = w.base_pos[ids]
-        if not self.config.observation.place_gain:
-            return np.zeros((len(pos), 4))
-        feet = kinematics.foot_pos_w(pos, w.base_quat[ids], w.joint_pos[ids])
-        return (feet[..., 2] < a1.FOOT_RADIUS + CONTACT_GAP).astype(np.float64)
 
     def _advance_anchor(self) -> None:
         """Move the anchored reference by the reference's own velocity of this period."""

@@ -19,7 +19,7 @@ from onnx import TensorProto, helper, numpy_helper
 from scipy.signal import butter
 
 from studio.control.action import ACTION_CLIP
-from studio.control.observation import HEADING_CLIP, MAKES_UP_FROM, PLACE_CLIP
+from studio.control.observation import HEADING_CLIP
 from studio.control.policy import Policy, Symmetric
 from studio.control.symmetry import observation_mirror
 from studio.errors import StudioError
@@ -97,12 +97,9 @@ def export_onnx(name: str | Path, out: Path) -> Path:
         "filter_rest": "state rows: (1 - b0) q and (b2 - a2) q hold still at q",
         "hold": {
             "heading_gain": policy.observation.heading_gain,
-            "place_gain": policy.observation.place_gain,
             "tau": policy.observation.hold_tau,
             "heading_smooth": policy.observation.heading_smooth,
             "heading_clip": HEADING_CLIP,
-            "place_clip": PLACE_CLIP,
-            "makes_up_from": MAKES_UP_FROM,
         },
         "joint_lower": a1.JOINT_LOWER.tolist(),
         "joint_upper": a1.JOINT_UPPER.tolist(),

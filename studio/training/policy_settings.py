@@ -174,7 +174,6 @@ def make_environment(
         yaw_rate=config.yaw_rate,
         heading_gain=recipe.heading_gain if config.yaw_rate else 0.0,
         heading_smooth=recipe.heading_smooth,
-        place_gain=recipe.place_gain if config.yaw_rate else 0.0,
         future=FUTURE_PERIODS if config.future else (),
     )
     settings = EnvConfig(
@@ -190,7 +189,6 @@ def make_environment(
         init_speed=0.6 * recipe.unrest if config.transitions else 0.0,
         init_spin=1.0 * recipe.unrest if config.transitions else 0.0,
         init_heading=recipe.init_heading if observation.heading_gain else 0.0,
-        init_place=0.2 if observation.place_gain else 0.0,
         push=config.push,
         steep=recipe.steep,
         motors=recipe.motors,

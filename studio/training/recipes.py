@@ -13,9 +13,9 @@ class Recipe:
 
     distil: samples learnt from the teacher before PPO. Sitting, the teacher itself falls on slopes
     (success .88 against .99 of PPO's policy): it has no sense of balance, and four feet need none.
-    heading_gain, place_gain: 1/s, and heading_smooth: s, see `observation.History`; who sits turns
-    by 3.5 degrees, which is less than the reference's noise. Nobody holds its place, and a walk's
-    heading steers only as its mean over a second: both excited the gait until the robot fell
+    heading_gain: 1/s, and heading_smooth: s, see `observation.History`; who sits turns
+    by 3.5 degrees, which is less than the reference's noise. A walk's heading
+    steers only as its mean over a second: within a stride it excited the gait until the robot fell
     (`evaluate endurance`). init_heading, steep: see EnvConfig.
     anchor_tau, anchor_yaw_tau: s, see EnvConfig: walking at 0.5 s, a speed that is 0.08 m/s short
     costs 3 % of the reward, at 3 s 68 %; sitting at 0.5 s, nothing asks for a trunk that stays
@@ -33,7 +33,6 @@ class Recipe:
     heading_smooth: float = 0.0
     init_heading: float = 0.3
     steep: float = 0.0
-    place_gain: float = 0.0
     anchor_tau: float = 0.5
     anchor_yaw_tau: float = 0.5
     noise_low: float = 0.0

@@ -18,7 +18,7 @@ from studio.control.controllers import (
 from studio.control.footing import with_velocity
 from studio.control.observation import ObservationConfig
 from studio.control.observation_frame import level_quat
-from studio.control.policy import MODELS, Policy, manifest_of
+from studio.control.policy import MODELS, Policy, manifest_of, save_policy
 from studio.errors import StudioError
 from studio.reference.intent import STATES, StateName
 from studio.reference.stances import NEUTRAL
@@ -126,6 +126,19 @@ def test_a_policy_that_takes_over_begins_with_a_history_of_the_present(
     controller.act(at(standing, "walk", False))
     history = policies["walk"].history
     np.testing.assert_allclose(history.z[0], np.tile(history.z[0, -1], (4, 1)))
+
+
+def test_a_sidecar_may_say_that_no_place_is_held_and_one_that_is_is_refused(tmp_path):
+    """As those of up to 0.1 do."""
+    policy = Policy.load("walk")
+    observation = {**policy.manifest["observation"], "place_gain": 0.0}
+    path = tmp_path / "walk.safetensors"
+    save_policy(path, policy._tensors, {**policy.manifest, "observation": observation})
+    assert Policy.load(path).observation == policy.observation
+    observation["place_gain"] = 1.0
+    save_policy(path, policy._tensors, {**policy.manifest, "observation": observation})
+    with pytest.raises(StudioError, match=r"walk\.safetensors cannot be read: it holds its place"):
+        Policy.load(path)
 
 
 @pytest.mark.parametrize(

@@ -68,16 +68,16 @@ def test_reference_velocity_is_in_its_own_heading_frame() -> None:
 def test_observation_is_oldest_first_and_resets_per_robot() -> None:
     config = ObservationConfig()
     history = History(2, config)
-    history.reset(slice(None), np.zeros((2, 17)), np.zeros((2, 18)), np.ones((2, 4)))
+    history.reset(slice(None), np.zeros((2, 17)), np.zeros((2, 18)))
     for k in range(1, 4):
         history.push_action(np.full((2, 12), 10.0 + k))
-        history.push(np.full((2, 17), float(k)), np.full((2, 18), 20.0 + k), np.ones((2, 4)))
+        history.push(np.full((2, 17), float(k)), np.full((2, 18), 20.0 + k))
     o = history.observation()
     assert o.shape == (2, config.dim) == (2, 176)
     assert list(o[0, [0, 17, 34, 51]]) == [0.0, 1.0, 2.0, 3.0]
     assert list(o[0, [68, 80, 92]]) == [11.0, 12.0, 13.0]
     assert list(o[0, [104, 122, 140, 158]]) == [0.0, 21.0, 22.0, 23.0]
-    history.reset(np.array([1]), np.full((1, 17), 7.0), np.full((1, 18), 8.0), np.ones((1, 4)))
+    history.reset(np.array([1]), np.full((1, 17), 7.0), np.full((1, 18), 8.0))
     assert np.array_equal(history.observation()[0], o[0])
     assert set(history.observation()[1]) == {7.0, 0.0, 8.0}
 
