@@ -1,4 +1,7 @@
-"""One robot as a Gymnasium environment, so that others can train on it with what they know."""
+"""One robot as a Gymnasium environment, so that others can train on it with what they know.
+
+gymnasium.make("studio.rl.gym_env:A1Imitation-v0", state="walk")
+"""
 
 from typing import Any
 
@@ -20,6 +23,8 @@ class A1Imitation(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
 
     Observation (176,) and action (12,) as `observation` and `action` define them; the reward is
     the paper's. `info` holds the reward's terms and the tracking figures of the step.
+    state: whose motions. motions_per_task: how many are drawn. randomise: Table I's dynamics, kicks
+    and noise, or the nominal robot.
     """
 
     metadata = {"render_modes": []}
@@ -64,3 +69,6 @@ class A1Imitation(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         curriculum.finish()
         config = EnvConfig(num_envs=1, threads=1)
         return ImitationEnv(config, self._bank, seed=seed, curriculum=curriculum)
+
+
+gymnasium.register(id="A1Imitation-v0", entry_point="studio.rl.gym_env:A1Imitation")
