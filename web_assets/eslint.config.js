@@ -3,14 +3,13 @@
 import js from "@eslint/js";
 import globals from "globals";
 
-const TOP = ":matches(Program, Program > ExportNamedDeclaration) > VariableDeclaration";
-const EMPTY = "[init.callee.name=/^(Map|Set|Array)$/][init.arguments.length=0]";
-const GLOBAL = "state belongs to an object that somebody makes, not to a file";
+import noMutableGlobals from "./no-mutable-globals.js";
 
 export default [
   { ignores: ["cache/", "node_modules/", "types/", "vendor/"] },
   js.configs.recommended,
   {
+    plugins: { studio: { rules: { "no-mutable-globals": noMutableGlobals } } },
     rules: {
       eqeqeq: ["error", "always", { null: "ignore" }],
       "max-len": ["error", 99],
@@ -18,17 +17,7 @@ export default [
       "no-console": "error",
       "no-var": "error",
       "prefer-const": "error",
-      "no-restricted-syntax": [
-        "error",
-        { selector: `${TOP}[kind="let"]`, message: GLOBAL },
-        // What is empty at first is there to be filled.
-        { selector: `${TOP} > [init.elements.length=0]`, message: GLOBAL },
-        { selector: `${TOP} > [init.properties.length=0]`, message: GLOBAL },
-        {
-          selector: `${TOP} > ${EMPTY}`,
-          message: GLOBAL,
-        },
-      ],
+      "studio/no-mutable-globals": "error",
     },
   },
   { files: ["js/**"], languageOptions: { globals: globals.browser } },

@@ -36,7 +36,7 @@ def page(browsing, served):
     """The page of who allows the camera, the model loaded, a person seen."""
     with browsing.page(served, 900, 640, path="/camera", permissions=["camera"]) as page:
         click(page, "#start")
-        until(page, "() => a1camera.now.seen?.world")
+        until(page, "() => a1camera.seen?.world")
         yield page
 
 
@@ -53,9 +53,9 @@ def driving(page, served):
 def test_the_model_is_sure_of_the_mannequin_and_has_nothing_to_advise(page):
     sure = "() => parseInt(document.querySelector('#sure').textContent)"
     assert until(page, sure) >= 80
-    until(page, "() => !a1camera.now.hint")
+    until(page, "() => !a1camera.hint")
     # All 33 of MediaPipe's landmarks, the head above the hips in its axes: y down.
-    seen = page.evaluate("() => a1camera.now.seen")
+    seen = page.evaluate("() => a1camera.seen")
     assert len(seen["world"]) == len(seen["landmarks"]) == 33
     assert seen["world"][0][1] < -0.3
     assert seen["people"] == 1
@@ -87,7 +87,7 @@ def test_a_model_that_dies_is_started_again(driving):
     worker = driving.workers[0]
     worker.evaluate("() => { self.onmessage = null; }")  # it hears nothing more
     until(driving, f"() => ({SAID})().includes('starting it again')")
-    until(driving, f"() => ({SAID})() === '' && performance.now() / 1000 - a1camera.now.seen.t < 2")
+    until(driving, f"() => ({SAID})() === '' && performance.now() / 1000 - a1camera.seen.t < 2")
 
 
 def test_a_camera_that_is_unplugged_leaves_the_robot_standing(driving, served):
@@ -102,7 +102,7 @@ def test_a_camera_that_is_unplugged_leaves_the_robot_standing(driving, served):
     state = served.wait(lambda s: s["mode"] == "idle" and s["stale_s"] and s["stale_s"] > 0.5)
     assert not state["stopped"]
     click(driving, "#start")
-    until(driving, "() => a1camera.camera.on && a1camera.now.seen?.world")
+    until(driving, "() => a1camera.camera.on && a1camera.seen?.world")
 
 
 def test_a_camera_that_is_not_allowed_is_said_so(browsing, served):

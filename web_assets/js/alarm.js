@@ -10,7 +10,8 @@ const UNHEARD = 1000; // ms until a stop that nobody has confirmed is told of
 export class Alarm {
   #title = document.title;
   #pressed = 0;
-  #waiting = 0;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #waiting;
   #raised = false;
   /** Ends the sound. */
   #hush = () => {};

@@ -120,22 +120,24 @@ const palette = new Palette(() => [
   { words: "Reset: stand up", key: "R", run: actions.R },
   { words: "Arm: follow again", key: "Enter", run: actions.Enter },
   { words: "Live plots", key: "J", run: plots.toggle },
-  { words: "Dark or light", key: "T", run: actions.T },
-  { words: "Keyboard shortcuts", key: "?", run: actions["?"] },
+  { words: "Dark or light", key: "T", run: otherTheme },
+  { words: "Keyboard shortcuts", key: "?", run: shortcuts.show },
 ]);
-Object.assign(actions, collect.coach.keys, review.keys, {
+keyboard.also({
+  ...collect.coach.keys,
+  ...review.keys,
   1: () => view.look("front"),
   2: () => view.look("side"),
   3: () => view.look("behind"),
   4: () => view.look("top"),
-  T: () => setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark"),
+  T: otherTheme,
   H: () => $("#record").click(),
   J: plots.toggle,
   "?": shortcuts.show,
   palette: palette.show,
 });
-$("#theme").addEventListener("click", actions.T);
-$("#help").addEventListener("click", actions["?"]);
+$("#theme").addEventListener("click", otherTheme);
+$("#help").addEventListener("click", shortcuts.show);
 for (const button of ["#control", "#watching-take"])
   $(button).addEventListener("click", () => attempt(takeControl));
 const light = matchMedia("(prefers-color-scheme: light)").matches;
@@ -146,6 +148,10 @@ function setTheme(theme) {
   document.documentElement.dataset.theme = theme;
   localStorage.setItem("theme", theme);
   view.theme();
+}
+
+function otherTheme() {
+  setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
 }
 
 /** Whether this page drives. @param {State | null} state */

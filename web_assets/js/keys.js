@@ -66,6 +66,11 @@ export class Keyboard {
     this.changed = changed;
   }
 
+  /** More of what keys do. @param {Record<string, () => unknown>} actions */
+  also(actions) {
+    this.actions = { ...this.actions, ...actions };
+  }
+
   /** Names of the keys held down. */
   get held() {
     return [...this.#held];

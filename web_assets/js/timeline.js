@@ -75,7 +75,8 @@ export class Timeline {
   #speed = 0;
   #stamp = 0;
   #sent = 0;
-  #late = 0;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #late;
   #version = 0;
   #painted = { key: "", curves: document.createElement("canvas") };
 

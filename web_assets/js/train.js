@@ -43,7 +43,8 @@ export class TrainPanel {
   #takes = [];
   /** @type {Training | null} */
   #job = null;
-  #timer = 0;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #timer;
   /** @type {string | null} */
   #style = null;
 

@@ -75,30 +75,41 @@ async function landmarker(model, delegate, runningMode, numPoses) {
   return PoseLandmarker.createFromOptions(files, { baseOptions, runningMode, numPoses });
 }
 
-/** @type {{ watcher: Watcher | null }} */
-const now = { watcher: null };
+/** Does what the page asks: open a model, look at a picture. */
+class PoseWorker {
+  /** @type {Watcher | null} */
+  #watcher = null;
 
-/** @param {Model} model @param {Delegate} delegate */
-async function open(model, delegate) {
-  try {
-    const follower = await landmarker(model, delegate, "VIDEO", 1);
-    now.watcher = new Watcher(follower, await landmarker("lite", delegate, "IMAGE", 2));
-  } catch (error) {
-    if (delegate === "GPU") return open(model, "CPU");
-    return postMessage({ type: "failed", why: String(error) });
+  /**
+   * @param {Model} model
+   * @param {Delegate} delegate
+   * @returns {Promise<void>}
+   */
+  async #open(model, delegate) {
+    try {
+      const follower = await landmarker(model, delegate, "VIDEO", 1);
+      this.#watcher = new Watcher(follower, await landmarker("lite", delegate, "IMAGE", 2));
+    } catch (error) {
+      if (delegate === "GPU") return this.#open(model, "CPU");
+      return postMessage({ type: "failed", why: String(error) });
+    }
+    postMessage({ type: "ready", delegate });
   }
-  postMessage({ type: "ready", delegate });
+
+  /** @param {any} data */
+  hear(data) {
+    if (data.type === "open") this.#open(data.model, data.delegate);
+    else if (this.#watcher) {
+      const { picture, t } = data;
+      try {
+        postMessage({ type: "seen", seen: { ...this.#watcher.see(picture, t), t: t / 1000 } });
+      } catch (error) {
+        postMessage({ type: "failed", why: String(error) });
+      }
+      picture.close();
+    }
+  }
 }
 
-onmessage = ({ data }) => {
-  if (data.type === "open") open(data.model, data.delegate);
-  else if (now.watcher) {
-    const { picture, t } = data;
-    try {
-      postMessage({ type: "seen", seen: { ...now.watcher.see(picture, t), t: t / 1000 } });
-    } catch (error) {
-      postMessage({ type: "failed", why: String(error) });
-    }
-    picture.close();
-  }
-};
+const worker = new PoseWorker();
+onmessage = ({ data }) => worker.hear(data);

@@ -15,119 +15,142 @@ import { capital } from "./words.js";
 const RATE_OVER = 2000; // ms
 const KEPT = ["model", "delegate", "height"];
 
-const video = /** @type {HTMLVideoElement} */ ($("#video"));
-const paint = painter($canvas("#overlay"));
-/** @type {{ seen: Seen | null, hint: string, times: number[], age: number }} */
-const now = { seen: null, hint: "", times: [], age: 0 };
-
-const driving = new Driving(new Api(), say);
-const model = new PoseModel({
-  seen: (seen) => {
-    now.seen = seen;
-    now.hint = advice(seen);
-    now.age = performance.now() - 1000 * seen.t;
-    now.times.push(performance.now());
-    while (now.times[0] < performance.now() - RATE_OVER) now.times.shift();
-    driving.push(seen, !now.hint);
-    draw();
-  },
-  ready: (delegate) => {
-    $("#computed").dataset.delegate = delegate;
-    say("");
-  },
-  trouble: say,
-});
-const camera = new Camera(video, {
-  frame: (t) => {
-    if (model.idle) model.look(video, t);
-  },
-  lost: (line) => off(line),
-});
-Object.assign(window, { a1camera: { camera, driving, model, now } }); // for tests and the curious
-
-/** @param {string} line "" for nothing */
-function say(line) {
-  text($("#said"), line);
-  $("#said").hidden = !line;
-}
-
-/** Open the chosen camera and model, or say why not. */
-async function on() {
-  $button("#start").disabled = true;
-  try {
-    await camera.open($select("#device").value, Number($select("#height").value));
-    say("Loading the pose model…");
-    model.open($select("#model").value, $select("#delegate").value);
-    await listCameras();
-  } catch (error) {
-    off(/** @type {Error} */ (error).message);
-  }
-  $button("#start").disabled = false;
-  draw();
-}
-
-/** Nothing is looked at any more. @param {string} line */
-function off(line) {
-  camera.close();
-  model.close();
-  driving.end().catch((error) => say(capital(error.message)));
-  Object.assign(now, { seen: null, hint: "", times: [] });
-  say(line);
-  draw();
-}
-
-async function listCameras() {
-  const select = $select("#device");
-  const found = await camera.list();
-  select.replaceChildren(
-    ...found.map(({ deviceId, label }, k) =>
-      el("option", { value: deviceId }, label || `Camera ${k + 1}`),
-    ),
-  );
-  select.value = camera.id;
-}
-
-function draw() {
-  const { seen, hint, times } = now;
-  document.body.dataset.camera = camera.on ? "on" : "off";
-  text($("#start"), camera.on ? "Camera off" : "Camera on");
-  const drives = driving.stage !== "off";
-  $button("#drive").disabled = !camera.on;
-  $("#drive").setAttribute("aria-pressed", String(drives));
-  text($("#drive"), drives ? "Stop driving" : "Drive the robot");
-  text($("#hint"), camera.on ? hint : "");
-  text($("#line"), driving.line);
-  const { frames, why } = driving.refused;
-  text($("#refused"), frames ? `${frames} refused: ${why}` : "");
-  text($("#fps"), camera.on ? `${(times.length / (RATE_OVER / 1000)).toFixed(0)} fps` : "");
-  text($("#sure"), seen?.world ? `${Math.round(100 * confidence(seen.landmarks))} % sure` : "");
-  text($("#age"), seen ? `${now.age.toFixed(0)} ms old` : "");
-  paint(video, {
-    landmarks: camera.on ? (seen?.landmarks ?? null) : null,
-    stand: camera.on && Boolean(hint),
-    filled: driving.stage === "quiet" ? driving.filled : null,
+/** What the page shows, and what its buttons do. */
+class CameraPage {
+  /** The person as the model saw them last, and what to change about how they stand. */
+  /** @type {Seen | null} */
+  seen = null;
+  hint = "";
+  /** ms from the picture to its being seen. */
+  age = 0;
+  /** When the latest pictures were seen, ms. @type {number[]} */
+  #times = [];
+  #video = /** @type {HTMLVideoElement} */ ($("#video"));
+  #paint = painter($canvas("#overlay"));
+  driving = new Driving(new Api(), (line) => this.say(line));
+  model = new PoseModel({
+    seen: (seen) => this.#look(seen),
+    ready: (delegate) => {
+      $("#computed").dataset.delegate = delegate;
+      this.say("");
+    },
+    trouble: (line) => this.say(line),
   });
+  camera = new Camera(this.#video, {
+    frame: (t) => {
+      if (this.model.idle) this.model.look(this.#video, t);
+    },
+    lost: (line) => this.off(line),
+  });
+
+  /** @param {Seen} seen */
+  #look(seen) {
+    const now = performance.now();
+    this.seen = seen;
+    this.hint = advice(seen);
+    this.age = now - 1000 * seen.t;
+    this.#times = [...this.#times, now].filter((t) => t >= now - RATE_OVER);
+    this.driving.push(seen, !this.hint);
+    this.draw();
+  }
+
+  /** @param {string} line "" for nothing */
+  say(line) {
+    text($("#said"), line);
+    $("#said").hidden = !line;
+  }
+
+  /** Open the chosen camera and model, or say why not. */
+  async on() {
+    $button("#start").disabled = true;
+    try {
+      await this.camera.open($select("#device").value, Number($select("#height").value));
+      this.say("Loading the pose model…");
+      this.model.open($select("#model").value, $select("#delegate").value);
+      await this.listCameras();
+    } catch (error) {
+      this.off(/** @type {Error} */ (error).message);
+    }
+    $button("#start").disabled = false;
+    this.draw();
+  }
+
+  /** Nothing is looked at any more. @param {string} line */
+  off(line) {
+    this.camera.close();
+    this.model.close();
+    this.driving.end().catch((error) => this.say(capital(error.message)));
+    this.seen = null;
+    this.hint = "";
+    this.#times = [];
+    this.say(line);
+    this.draw();
+  }
+
+  async listCameras() {
+    const select = $select("#device");
+    const found = await this.camera.list();
+    select.replaceChildren(
+      ...found.map(({ deviceId, label }, k) =>
+        el("option", { value: deviceId }, label || `Camera ${k + 1}`),
+      ),
+    );
+    select.value = this.camera.id;
+  }
+
+  draw() {
+    const { seen, hint, camera, driving } = this;
+    document.body.dataset.camera = camera.on ? "on" : "off";
+    text($("#start"), camera.on ? "Camera off" : "Camera on");
+    const drives = driving.stage !== "off";
+    $button("#drive").disabled = !camera.on;
+    $("#drive").setAttribute("aria-pressed", String(drives));
+    text($("#drive"), drives ? "Stop driving" : "Drive the robot");
+    text($("#hint"), camera.on ? hint : "");
+    text($("#line"), driving.line);
+    const { frames, why } = driving.refused;
+    text($("#refused"), frames ? `${frames} refused: ${why}` : "");
+    const rate = this.#times.length / (RATE_OVER / 1000);
+    text($("#fps"), camera.on ? `${rate.toFixed(0)} fps` : "");
+    text($("#sure"), seen?.world ? `${Math.round(100 * confidence(seen.landmarks))} % sure` : "");
+    text($("#age"), seen ? `${this.age.toFixed(0)} ms old` : "");
+    this.#paint(this.#video, {
+      landmarks: camera.on ? (seen?.landmarks ?? null) : null,
+      stand: camera.on && Boolean(hint),
+      filled: driving.stage === "quiet" ? driving.filled : null,
+    });
+  }
+
+  /** What the user asked for; why, if it is refused. @param {() => Promise<void>} action */
+  async #attempt(action) {
+    await action().catch((error) => this.say(capital(error.message)));
+    this.draw();
+  }
+
+  /** Drive, or stop driving. */
+  drive() {
+    return this.#attempt(async () => {
+      if (this.driving.stage !== "off") return this.driving.end();
+      this.say("");
+      await this.driving.begin();
+    });
+  }
+
+  stop() {
+    return this.#attempt(() => this.driving.stop());
+  }
 }
 
-/** What the user asked for; why, if it is refused. @param {() => Promise<void>} action */
-const attempt = (action) => () =>
-  action()
-    .catch((error) => say(capital(error.message)))
-    .then(draw);
-const drive = attempt(async () => {
-  if (driving.stage !== "off") return driving.end();
-  say("");
-  await driving.begin();
-});
-const stop = attempt(() => driving.stop());
+const page = new CameraPage();
+Object.assign(window, { a1camera: page }); // for tests and the curious
 
-$("#start").addEventListener("click", () => (camera.on ? off("") : on()));
-$("#drive").addEventListener("click", drive);
-$("#stop").addEventListener("click", stop);
+$("#start").addEventListener("click", () => (page.camera.on ? page.off("") : page.on()));
+$("#drive").addEventListener("click", () => page.drive());
+$("#stop").addEventListener("click", () => page.stop());
 for (const id of ["device", ...KEPT])
   $(`#${id}`).addEventListener("change", () => {
     if (KEPT.includes(id)) localStorage.setItem(`camera-${id}`, $select(`#${id}`).value);
-    if (camera.on) on();
+    if (page.camera.on) page.on();
   });
 for (const id of KEPT)
   $select(`#${id}`).value = localStorage.getItem(`camera-${id}`) ?? $select(`#${id}`).value;
@@ -150,20 +173,20 @@ window.addEventListener(
     )
       return;
     event.preventDefault();
-    if (!event.repeat) stop();
+    if (!event.repeat) page.stop();
   },
   true,
 );
 document.addEventListener("visibilitychange", () => {
-  if (driving.stage !== "off")
-    say(document.hidden ? "" : "This page was in the background, where a camera is not read");
+  if (page.driving.stage !== "off")
+    page.say(document.hidden ? "" : "This page was in the background, where a camera is not read");
 });
 navigator.mediaDevices?.addEventListener("devicechange", () => {
-  if (camera.on) listCameras();
+  if (page.camera.on) page.listCameras();
 });
 document.documentElement.dataset.theme =
   localStorage.getItem("theme") ??
   (matchMedia("(prefers-color-scheme: light)").matches ? "light" : "dark");
 document.body.classList.toggle("small", new URLSearchParams(location.search).has("panel"));
-setInterval(draw, 500);
-draw();
+setInterval(() => page.draw(), 500);
+page.draw();

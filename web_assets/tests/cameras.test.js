@@ -14,8 +14,10 @@ test("a camera of a narrow view steps back along its own direction", () => {
 });
 
 test("a caption stands at its figure, and inside the view", () => {
-  const view = [800, 600];
-  const caption = [100, 40];
+  const [view, caption] = /** @type {[number, number][]} */ ([
+    [800, 600],
+    [100, 40],
+  ]);
   assert.deepEqual(place({ x: 0, y: 0 }, view, caption), { left: 400, top: 300 });
   assert.deepEqual(place({ x: -1, y: 1 }, view, caption), { left: 56, top: 46 });
   assert.deepEqual(place({ x: 1, y: -1 }, view, caption), { left: 744, top: 530 });

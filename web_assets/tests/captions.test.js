@@ -3,6 +3,7 @@ import { test } from "node:test";
 
 import { captionsOf } from "../js/captions.js";
 
+/** What it looks at of a tick. @type {any} */
 const tick = {
   mode: "live",
   state: "walk",

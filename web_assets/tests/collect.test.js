@@ -5,10 +5,11 @@ import { coached, passed } from "../js/coach.js";
 import { Ticks, about } from "../js/library.js";
 import { itemsOf } from "../js/plan.js";
 
+/** What the coach looks at. @type {any} */
 const MOTION = { task: "sit_tilt", state: "sit", prompt: "Lean", done: 1, total: 3, kept: ["a"] };
 
 test("a plan holds the tasks asked for, in their order", () => {
-  const tasks = ["tilt", "walk", "sit"].map((task) => ({ task, state: "", prompt: "" }));
+  const tasks = ["tilt", "walk", "sit"].map((task) => /** @type {any} */ ({ task }));
   const counts = new Map([
     ["sit", 1],
     ["tilt", 2],
@@ -33,6 +34,7 @@ test("the coach says what to do in each phase", () => {
     of: "",
     prompt: "Review them below, or train a mapper of your own.",
   });
+  /** @type {any} */
   const before = { phase: "setup", done: 0, total: 0, kept: [] };
   const words = { task: "", of: "", prompt: "Choose tasks on the right, then Begin." };
   assert.deepEqual(coached(before), words);
@@ -59,6 +61,7 @@ test("kept takes are ticked, until somebody says otherwise or the verdict change
 });
 
 test("a take's row says how long it is after its trim, its lag, and that it was recovered", () => {
+  /** @type {any} */
   const take = { trim: null, seconds: 9, lag: null, recovered: false };
   assert.equal(about(take), "9.0 s");
   assert.equal(

@@ -54,6 +54,7 @@ const folder = (path, inside) => ({
     return { readEntries: (done) => done(rest.splice(0, 2)) };
   },
 });
+/** What a drop carries. @returns {any} */
 const transfer = (entries, files) => ({
   items: entries.map((one) => ({ webkitGetAsEntry: () => one })),
   files,

@@ -38,9 +38,9 @@ test("the rate does not swing when a page that was busy catches up", () => {
   come(1, 16);
   assert.equal(history.rate, 0); // half a second does not tell
   come(16, 181);
-  assert.ok(Math.abs(history.rate - 30) < 0.5, history.rate);
+  assert.ok(Math.abs(history.rate - 30) < 0.5, `${history.rate}`);
   come(181, 240, 8000); // two seconds' worth at once
-  assert.ok(Math.abs(history.rate - 30) < 0.5, history.rate);
+  assert.ok(Math.abs(history.rate - 30) < 0.5, `${history.rate}`);
   come(240, 300);
-  assert.ok(Math.abs(history.rate - 30) < 0.5, history.rate);
+  assert.ok(Math.abs(history.rate - 30) < 0.5, `${history.rate}`);
 });

@@ -10,6 +10,7 @@ const BUTTON = { tagName: "BUTTON" };
 /** A key press on what has the focus, as a browser reports it; says what became of it. */
 const press = (key, target = STAGE, more = {}) => {
   const code = /^[a-z]$/i.test(key) ? `Key${key.toUpperCase()}` : key;
+  /** @type {any} */
   const event = { key, code, target, repeat: false, prevented: false, stopped: false, ...more };
   event.preventDefault = () => (event.prevented = true);
   event.stopImmediatePropagation = () => (event.stopped = true);
@@ -56,6 +57,13 @@ test("what is typed, or pressed with Control, does nothing", () => {
   assert.deepEqual(done, []);
   keyboard.down(press("r"));
   assert.deepEqual(done, ["reset"]);
+});
+
+test("what is told later that keys do is done, too", () => {
+  const { done, keyboard } = made();
+  keyboard.also({ T: () => done.push("theme"), R: () => done.push("again") });
+  for (const key of ["t", "r", "Escape"]) keyboard.down(press(key));
+  assert.deepEqual(done, ["theme", "again", "stop"]);
 });
 
 test("driving, a key is held until it is let go, and means nothing else", () => {

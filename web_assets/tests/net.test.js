@@ -19,9 +19,11 @@ test("a path's braces are filled, and the rest becomes its query", () => {
 const answer = (status, body) =>
   new Response(JSON.stringify(body), { status, headers: { "content-type": "application/json" } });
 
-beforeEach(() => mock.method(globalThis, "fetch", async () => answer(200, { fine: true })));
+const fetched = () => /** @type {any} */ (globalThis.fetch).mock;
+
+beforeEach(() => void mock.method(globalThis, "fetch", async () => answer(200, { fine: true })));
 afterEach(() => mock.restoreAll());
-const asked = () => globalThis.fetch.mock.calls.at(-1).arguments;
+const asked = () => fetched().calls.at(-1).arguments;
 
 test("a request names its page and carries its body", async () => {
   const api = new Api();
@@ -47,6 +49,7 @@ test("a file is sent as it is", async () => {
 
 test("a refusal says why, in the studio's words", async () => {
   const api = new Api();
+  /** @type {[() => unknown, string][]} */
   const refusals = [
     [() => answer(409, { why: "stopped: reset first" }), "stopped: reset first"],
     [() => answer(422, { error: "no such take" }), "no such take"],
@@ -54,7 +57,7 @@ test("a refusal says why, in the studio's words", async () => {
     [() => Promise.reject(new TypeError("offline")), "the studio does not answer"],
   ];
   for (const [respond, message] of refusals) {
-    globalThis.fetch.mock.mockImplementation(async () => respond());
+    fetched().mockImplementation(async () => respond());
     await assert.rejects(
       api.post("/api/arm"),
       (error) => error instanceof Refused && error.message === message,

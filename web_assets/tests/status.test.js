@@ -3,6 +3,7 @@ import { test } from "node:test";
 
 import { doing, stopped } from "../js/status.js";
 
+/** What the line looks at. @type {any} */
 const LIVE = { why: "", mode: "live", state: "stand", style: "march" };
 
 test("the line says why nothing moves before anything else", () => {

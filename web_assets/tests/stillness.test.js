@@ -6,9 +6,10 @@ import { Stillness } from "../js/stillness.js";
 const LIVE = { stopped: false };
 
 /** Twenty ticks, 30 a second, of a robot whose k-th has these joints and place; and when. */
-const seen = (joint, x = () => 0) => {
+const seen = (joint, x = (k) => 0 * k) => {
   const stillness = new Stillness();
   for (let k = 0; k < 20; k += 1) {
+    /** @type {any} */
     const robot = { joint_pos: Array(12).fill(joint(k)), base_pos: [x(k), 0, 0.3] };
     stillness.add({ robot }, (1000 * k) / 30);
   }
@@ -41,7 +42,9 @@ test("without fresh ticks, or with few, nobody knows", () => {
   assert.ok(!stillness.still(LIVE, now + 400));
   assert.ok(!new Stillness().still(LIVE, 0));
   const few = new Stillness();
-  few.add({ robot: { joint_pos: Array(12).fill(0), base_pos: [0, 0, 0.3] } }, 0);
+  /** @type {any} */
+  const robot = { joint_pos: Array(12).fill(0), base_pos: [0, 0, 0.3] };
+  few.add({ robot }, 0);
   assert.ok(!few.still(LIVE, 10));
 });
 

@@ -26,7 +26,7 @@ test("the ruler's marks are round and far enough apart to be read", () => {
 });
 
 test("a handle is held near the top, and lower only when hit well", () => {
-  const handles = [100, 500];
+  const handles = /** @type {[number, number]} */ ([100, 500]);
   assert.equal(gripAt(handles, { x: 107, y: 10 }), 0);
   assert.equal(gripAt(handles, { x: 107, y: 100 }), "seek");
   assert.equal(gripAt(handles, { x: 103, y: 100 }), 0);

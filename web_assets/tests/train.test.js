@@ -4,6 +4,7 @@ import { test } from "node:test";
 import { range } from "../js/loss.js";
 import { fitName, progress } from "../js/train.js";
 
+/** What the line looks at of a training. @type {any} */
 const JOB = { status: "running", why: "", name: "mine", states: {} };
 
 test("one line says how a training goes", () => {
@@ -25,10 +26,10 @@ test("a mapper's name keeps only what a name may hold", () => {
 });
 
 test("the loss's scale holds every curve, on powers of ten", () => {
-  const curve = [
+  const curve = /** @type {[number, number][]} */ ([
     [0, 0.1],
     [10, 0.001],
-  ];
+  ]);
   const { low, high } = range({ stand: { curve }, walk: { curve: [[0, 0]] } });
   assert.ok(Math.abs(high - (-1 + 0.05)) < 1e-12);
   assert.ok(Math.abs(low - (-6 - 0.05)) < 1e-12); // nothing is drawn below 1e-6

@@ -3,6 +3,7 @@ import { test } from "node:test";
 
 import { underWay } from "../js/underway.js";
 
+/** What it looks at of a tick. @type {any} */
 const STANDS = { mode: "live", state: "stand", transition_to: null, votes: { walk: 0 } };
 
 test("walking is under way from the key until the robot walks", () => {

@@ -4,6 +4,7 @@ import { test } from "node:test";
 import { VOCABULARY, meaningOf } from "../js/vocabulary.js";
 
 const UPRIGHT = { base_pos: [0, 0, 0.3], base_quat: [1, 0, 0, 0], foot_contact: [1, 1, 1, 1] };
+/** What it looks at of a tick. @returns {any} */
 const tick = (expert, reference = {}) => ({
   human: {},
   expert,

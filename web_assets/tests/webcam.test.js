@@ -18,7 +18,7 @@ const PLACES = {
   28: [0.46, 0.9, -0.1, 0.84],
 };
 
-/** Somebody who stands upright in the middle of a well-lit picture. */
+/** Somebody who stands upright in the middle of a well-lit picture. @returns {any} */
 function standing() {
   const all = Array.from({ length: 33 }, (_, k) => PLACES[k] ?? PLACES[0]);
   return {
@@ -33,7 +33,8 @@ function standing() {
 
 test("who stands well is given no advice", () => assert.equal(advice(standing()), ""));
 
-for (const [name, change, words] of [
+/** @type {[string, (seen: any) => unknown, string][]} */
+const FLAWS = [
   ["a dark room", (s) => (s.light = 10), "Too dark"],
   ["nobody", (s) => (s.landmarks = s.world = null), "Nobody"],
   ["two people", (s) => (s.people = 2), "Two people"],
@@ -46,7 +47,8 @@ for (const [name, change, words] of [
     "sideways",
   ],
   ["somebody far away", (s) => s.landmarks.forEach((l) => (l[1] = 0.4 + l[1] / 4)), "closer"],
-])
+];
+for (const [name, change, words] of FLAWS)
   test(`advice for ${name}`, () => {
     const seen = standing();
     change(seen);
