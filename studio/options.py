@@ -14,9 +14,9 @@ Style = Literal["march", "circles", "semantic"]
 STYLES: tuple[Style, ...] = get_args(Style)
 """Which human motion means walking: marching in place, circling hands, or marching in place read by
 rule (`retarget.semantic`)."""
-Scene = Literal["empty"]
-SCENES: tuple[Scene, ...] = get_args(Scene)
-"""Scenes with props come with the composite tasks; until then there is the bare floor."""
+SceneName = Literal["empty", "free", "greeting", "hardware", "push", "slalom", "rough", "fetch"]
+SCENES: tuple[SceneName, ...] = get_args(SceneName)
+"""What the robot is set into (`studio.scenes`); "empty" is what "free" was called first."""
 PAPER_JOINT_SPEED_DEG = 120.0
 """Degrees a second that a reference's joints may reach in the paper."""
 Travel = Literal["auto", "off"]
@@ -49,6 +49,8 @@ class ServeConfig:
     """Which human motion means walking."""
     controller: ControllerName | None = None
     """What turns the reference into an action (default: policy once trained)."""
+    scene: SceneName = "empty"
+    """What stands around the robot, and what there is to do."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,8 +69,8 @@ class DriveConfig:
     """Which human motion means walking."""
     controller: ControllerName | None = None
     """What turns the reference into an action (default: policy once trained)."""
-    scene: Scene = "empty"
-    """What stands around the robot."""
+    scene: SceneName = "empty"
+    """What stands around the robot, and what there is to do."""
     mirror: bool = False
     """Mirror the person."""
     travel: Travel = "auto"

@@ -11,7 +11,6 @@ Live is this plus a clock (`live.loop`); a headless drive and every table are th
 from collections.abc import Callable
 from dataclasses import replace
 
-from studio import metrics
 from studio.control.controllers import ControllerInput, open_controller
 from studio.control.drive_command import FOLLOW, Directive, DriveCommand, PuppeteerConfig, Reason
 from studio.control.staleness import STALE_AFTER, STAND_AFTER, why_still
@@ -28,8 +27,8 @@ from studio.retarget.settings import LIMITS
 from studio.retarget.store import Experts
 from studio.robot.a1 import CONTROL_DT
 from studio.robot.pose import ReferencePose, RobotState
+from studio.scenes.stage import Stage
 from studio.sim.actuation import LowPass, limit_target
-from studio.sim.world import World
 from studio.takes.tick import Tick
 
 FIRST_VOTE = 1.0
@@ -52,7 +51,8 @@ class Puppeteer:
         )
         self.state_machine = StateMachine()
         self.controller = open_controller(config.controller)
-        self.low_pass, self.world = LowPass(), World(seed=config.seed)
+        self.low_pass, self.stage = LowPass(), Stage(config.scene, config.seed)
+        self.world = self.stage.world
         self.lock_state(config.state)
         for name in LIMITS:
             self.set_gain(name, getattr(config, name))
@@ -66,9 +66,8 @@ class Puppeteer:
     ) -> Tick:
         """One control period (1/30 s). None: nothing new was seen. Never fails on a bad pose.
 
-        command: what whoever keeps watch asks for, or what the age of the last pose that was
-        believed (s, infinite before the first) calls for. shown: a motion that the robot does in
-        place of the person's, who is to act it out.
+        command: what whoever keeps watch asks for, or makes of the age of the last pose that was
+        believed (s, inf before the first). shown: a motion that the robot does in place of theirs.
         """
         times = SectionTimes()
         fresh = self.person.see(human)
@@ -93,7 +92,7 @@ class Puppeteer:
             target = limit_target(self.low_pass.step(action), self._target)
         with times("physics"):
             self.world.set_damping(command.damping)
-            self.robot, self._target = self.world.step(target), target
+            self.robot, self._target = self.stage.step(target), target
         clipped = mapped.clipped and self.state_machine.following
         self.reason, why = command.reason, command.why
         if not why and shown is None:
@@ -102,8 +101,7 @@ class Puppeteer:
         self._clipped += clipped
         inference = sum(ms for section, ms in times.items() if section != "physics")
         if not command.damping and not self.fallen:
-            contact, quat = self.robot.trunk_contact, self.robot.base_quat
-            self.fallen = bool(metrics.fallen(contact, quat, decision.reference.base_quat))
+            self.fallen = self.stage.fallen(decision.reference)
         return Tick(
             index=self._index - 1,
             t=self.person.t,
@@ -125,8 +123,6 @@ class Puppeteer:
             timings_ms={**mapped.timings_ms, **times, "inference": inference},
             counters=self.counters,
         )
-
-    # Memory ------------------------------------------------------------------------------------
 
     def reset(self) -> None:
         """Forget the person; the robot stands at the origin and starts in the first voted state."""
@@ -150,25 +146,25 @@ class Puppeteer:
         self.state_machine.rejoin()
 
     def align_robot_to_reference(self) -> None:
-        """The robot goes on where its reference is and faces: no policy sees place or heading."""
+        """The robot goes on where its reference is and faces, if nothing is in its way."""
         pose = self.state_machine.reference
-        self.robot = self.world.move_base(pose.base_pos[:2], pose.yaw)
+        self.robot = self.stage.move_robot(pose.base_pos[:2], pose.yaw)
 
     def place(self, state: StateName, *, here: bool = False) -> None:
-        """The robot at rest in the neutral pose of `state`, at the origin or where it is."""
-        where = self.robot.base_pos[:2] if here else None
-        self.state_machine.reset(state, where, self.robot.yaw if here else 0.0)
+        """At rest in the neutral pose of `state`, where the scene begins or where the robot is."""
+        at = self.stage.restart_at(self.robot) if here else self.stage.start
+        self.state_machine.reset(state, *at)
         self._restart()
 
     def stand_up(self) -> None:
-        """After a fall or a stop: from a crouch, where the robot is, up to standing in 1 s."""
-        self.state_machine.crouch(self.robot.base_pos[:2], self.robot.yaw)
+        """After a fall or a stop, 1 s from a crouch: where it is, or where a scene begins anew."""
+        self.state_machine.crouch(*self.stage.restart_at(self.robot))
         self._restart()
         self._placed = True
 
     def _restart(self) -> None:
         reference = self.state_machine.reference
-        self.robot: RobotState = self.world.reset(reference)
+        self.robot: RobotState = self.stage.reset(reference)
         self.low_pass.reset(reference.joint_pos)
         self._target = reference.joint_pos
         self.controller.reset(self._controller_input())
@@ -210,20 +206,24 @@ class Puppeteer:
         self.config = replace(self.config, style=experts.style)
         self.rejoin()
 
+    def set_stage(self, stage: Stage) -> None:
+        """Another scene, from its beginning; the robot stands up in it."""
+        self.stage, self.world = stage, stage.world
+        self.config = replace(self.config, scene=stage.name)
+        self.place("stand")
+        self.rejoin()
+
     def set_controller(self, name: str) -> None:
         """Another controller from the next period on. StudioError if there is none of the name."""
         self.controller = open_controller(name)
         self.controller.reset(self._controller_input())
-
-    # One step's parts ---------------------------------------------------------------------------
 
     def _go_on_from_here(self) -> bool:
         """After a transition, a hold or a rest the person's motion goes on from there.
 
         False while the robot is still on its way: nobody needs the person's reference yet.
         """
-        machine = self.state_machine
-        if not self._placed or machine.following:
+        if not self._placed or (machine := self.state_machine).following:
             return True
         if machine.busy:
             return False

@@ -73,6 +73,7 @@ class State(TypedDict):
     source: str
     source_report: dict[str, Any]
     scene: str
+    progress: dict[str, Any]
     latency_ms: dict[str, float]
     counters: dict[str, int]
     robot: Pose

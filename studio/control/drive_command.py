@@ -13,7 +13,8 @@ class PuppeteerConfig:
     """How to drive.
 
     style: which human motion means walking. controller: a name of control.controllers, None for
-    the default. state: "auto" or the state to stay in. seed: of the world. mirror: as in a mirror.
+    the default. state: "auto" or the state to stay in. seed, scene: of the world. mirror: as in a
+    mirror.
     travel: "auto" walks through space beside a person who does, "off" reads marches alone.
     tilt_gain: times the trunk's tilt. dead_zone: rad of tilt ignored. speed_cap: m/s. joint_speed:
     rad/s of a standing or sitting reference's joints.
@@ -23,6 +24,7 @@ class PuppeteerConfig:
     controller: str | None = None
     state: str = "auto"
     seed: int = 0
+    scene: str = "empty"
     mirror: bool = False
     travel: Travel = "auto"
     tilt_gain: float = 1.0

@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import IO, Any
 
 from studio.control.drive_command import FOLLOW, DriveCommand, PuppeteerConfig
-from studio.errors import StudioError, unknown_name
+from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport, trace_line
 from studio.human.calibration import calibrate
 from studio.mocap.joint_maps import read_joint_map
-from studio.options import SCENES, DriveConfig
+from studio.options import DriveConfig
 from studio.puppeteer import Puppeteer
 from studio.retarget.settings import joint_speed
 from studio.robot.a1 import CONTROL_DT
@@ -41,8 +41,6 @@ def run_drive(
     config. A `_failed` in the report is the line to fail with: the source had frames, and all were
     refused. Raises StudioError for a source, state, style, controller or scene that is not there.
     """
-    if config.scene not in SCENES:
-        raise unknown_name("scene", config.scene, SCENES)
     source = source or open_source(
         config.source,
         seed=config.seed,
@@ -59,6 +57,7 @@ def run_drive(
                 controller=config.controller,
                 state=config.state,
                 seed=config.seed,
+                scene=config.scene,
                 mirror=config.mirror,
                 travel=config.travel,
                 joint_speed=joint_speed(config.max_joint_speed),
@@ -74,7 +73,8 @@ def run_drive(
         if config.record:
             recorder = Recorder(config.sessions)
             stack.callback(recorder.close)
-            about = {"source": config.source, "seed": config.seed, "style": config.style}
+            about = {"source": config.source, "seed": config.seed}
+            about |= {"style": config.style, "scene": config.scene}
             taken = recorder.start("drive", about=about)
             sinks.append(recorder.append)
         for tick in drive(puppeteer, source, seconds, guard=guard, realtime=config.realtime):
@@ -84,6 +84,7 @@ def run_drive(
         out = report.summary(expected, rejected_by_source=source.rejected)
         found = source.report.and_refused(puppeteer.person.refused)
         out["source_report"] = found.as_dict()
+        out["progress"] = puppeteer.stage.progress()
         if out["frames"] == 0 and found.refused.frames:
             why = f"all {found.refused.frames} frames were refused, {found.refused.why[0]}"
             out["_failed"] = f"{config.source}: {why}"

@@ -58,7 +58,6 @@ class Runtime:
         self.mappers = Mappers(self.puppeteer.retargeter.experts)
         self.replaced = ReplacedSource()
         self.last_take: str | None = None
-        self.scene = "empty"
         self.reason: Reason = ""  # for the last tick's `why`
         self._replayed = 0
 
@@ -179,6 +178,7 @@ class Runtime:
             "style": puppeteer.config.style,
             "controller": puppeteer.controller.name,
             "mirror": puppeteer.config.mirror,
+            "scene": puppeteer.stage.name,
         }
 
     def _calibration(self) -> Calibration:

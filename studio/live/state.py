@@ -28,6 +28,7 @@ from studio.live.state_parts import (
 )
 from studio.live.tick_message import Mode, Pose, TickMessage
 from studio.reference.intent import STATES
+from studio.scenes.stage import Progress
 from studio.takes.as_json import part
 from studio.takes.tick import Tick
 
@@ -140,7 +141,8 @@ KEYS: dict[str, Key] = {
     "stale_s": Key(float | None, Seen.stale_s),
     "source": Key(str, lambda seen: seen.runtime.source.name),
     "source_report": Key(SourceReport, Seen.source_report),
-    "scene": Key(str, lambda seen: seen.runtime.scene),
+    "scene": Key(str, lambda seen: seen.runtime.puppeteer.stage.name),
+    "progress": Key(Progress, lambda seen: seen.runtime.puppeteer.stage.progress()),
     "latency_ms": Key(dict[str, float], lambda seen: seen.tick_message["timings_ms"]),
     "period_error_ms": Key(dict[str, float], Seen.punctuality),
     "robot": Key(Pose, lambda seen: part("robot", seen.tick.robot, "trace")),

@@ -60,7 +60,7 @@ class RobotState(RobotPose):
 
     base_lin_vel_w: (3,) m/s, world. base_ang_vel_b: (3,) rad/s, body. joint_vel: (12,) rad/s.
     foot_pos_w: (4, 3) m, centre of each foot sphere. torque: (12,) N m, largest magnitude (signed)
-    over the control period. trunk_contact: the trunk touches something. self_collision: two links
+    over the control period. trunk_contact: the trunk touches the ground. self_collision: two links
     of the robot touch. t: s since reset.
     """
 

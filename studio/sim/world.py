@@ -47,8 +47,7 @@ class WorldConfig:
 class World:
     """The world and its one robot; remembers, so it has `reset`. One thread at a time.
 
-    `model` and `data` are MuJoCo's own, for whoever adds props or draws; `state` is what was last
-    returned. `seed` feeds `rng`, for props that need chance; the physics has none.
+    `model`, `data`: MuJoCo's own; `state`: last returned; `rng`: of `seed`, the physics has none.
     """
 
     def __init__(
@@ -98,11 +97,11 @@ class World:
         model = self.model
         names = [model.geom(i).name for i in range(model.ngeom)]
         body = [model.body(int(b)).name for b in model.geom_bodyid]
-        self._geom_foot = np.array(
-            [a1.LEGS.index(n[:2]) if n[2:] == "_foot" else -1 for n in names]
-        )
+        feet = {f"{leg}_foot": i for i, leg in enumerate(a1.LEGS)}
+        self._geom_foot = np.array([feet.get(n, -1) for n in names])
         self._geom_robot = np.array([b in a1.LINKS for b in body])
-        self._geom_trunk = np.array([b == "trunk" for b in body])
+        # A pair that adds up to 3 is the trunk on the ground.
+        self._geom_down = np.array([{"trunk": 1, "world": 2}.get(b, 0) for b in body])
 
     def reset(self, pose: RobotPose | None = None) -> RobotState:
         """The robot at rest in `pose` (neutral stand if None), lowest point on the floor, at t = 0.
@@ -141,8 +140,7 @@ class World:
         if target.shape != (12,) or not np.isfinite(target).all():
             raise StudioError("a target must be 12 finite joint angles in rad (a1.JOINTS)")
         target = np.minimum(np.maximum(target, a1.JOINT_LOWER), a1.JOINT_UPPER)
-        model, data = self.model, self.data
-        late, self._target = self._target, target
+        data, late, self._target = self.data, self._target, target
         speed, torque = data.qvel[6:18], data.actuator_force
         peak, peak_size = np.zeros(12), np.zeros(12)
         knee = self.config.free_speed - a1.TORQUE_LIMIT[0] / self.config.speed_slope
@@ -151,7 +149,7 @@ class World:
             data.ctrl[:12] = target
             if max(speed.max(), -speed.min()) > knee:
                 data.ctrl[:12] = self._within_motor_curve(target)
-            mujoco.mj_step(model, data)
+            self._substep()
             size = np.abs(torque[:12])
             larger = size > peak_size
             peak[larger], peak_size[larger] = torque[:12][larger], size[larger]
@@ -159,6 +157,9 @@ class World:
             raise StudioError("the simulation diverged; reset the robot")
         self.state = self._read(peak)
         return self.state
+
+    def _substep(self) -> None:
+        mujoco.mj_step(self.model, self.data)
 
     def _after_delay(self, late: Array, substep: int) -> Array:
         """The motors' target in a substep of one that comes `_delay` s late."""
@@ -214,17 +215,16 @@ class World:
 
     def _read(self, torque: Array) -> RobotState:
         data = self.data
-        contact = data.contact
         foot, trunk, itself = np.zeros(4), False, False
         if data.ncon:
-            pairs = contact.geom[contact.dist < 1e-3]
+            pairs = data.contact.geom[data.contact.dist < 1e-3]
             robot = self._geom_robot[pairs]
             both = robot.all(axis=1)
             itself = bool(both.any())
-            outside = pairs[robot.any(axis=1) & ~both].ravel()
-            touched = self._geom_foot[outside]
+            outside = pairs[robot.any(axis=1) & ~both]
+            touched = self._geom_foot[outside.ravel()]
             foot[touched[touched >= 0]] = 1.0
-            trunk = bool(self._geom_trunk[outside].any())
+            trunk = bool((self._geom_down[outside].sum(axis=1) == 3).any())
         pos, quat = data.qpos[:3].copy(), geometry.normalize(data.qpos[3:7])
         joint_pos = data.qpos[7:19].copy()
         return RobotState(

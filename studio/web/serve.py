@@ -111,7 +111,10 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
             source=config.source,
             sessions=sessions,
             puppeteer=PuppeteerConfig(
-                style=config.style, controller=config.controller, seed=config.seed
+                style=config.style,
+                controller=config.controller,
+                seed=config.seed,
+                scene=config.scene,
             ),
         )
         scratch = stack.enter_context(scratch_folder(SCRATCH))

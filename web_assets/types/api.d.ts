@@ -141,7 +141,7 @@ export interface paths {
         put?: never;
         /**
          * Scene
-         * @description What stands around the robot.
+         * @description What stands around the robot, and what there is to do; the same again: from its beginning.
          */
         post: operations["scene_api_scene_post"];
         delete?: never;
@@ -1545,6 +1545,7 @@ export interface components {
             source_report: components["schemas"]["SourceReport"];
             /** Scene */
             scene: string;
+            progress: components["schemas"]["Progress"];
             /** Latency Ms */
             latency_ms: {
                 [key: string]: number;
@@ -1670,6 +1671,27 @@ export interface components {
             joint_pos: number[];
             /** Foot Contact */
             foot_contact: number[];
+        };
+        /**
+         * Progress
+         * @description How far a scene has come. step: of the steps, the one to do; their number once all are done.
+         *     failed: why it cannot be finished any more, or None.
+         */
+        Progress: {
+            /** Name */
+            name: string;
+            /** Step */
+            step: number;
+            /** Steps */
+            steps: components["schemas"]["StepDone"][];
+            /** Score */
+            score: number;
+            /** Time S */
+            time_s: number;
+            /** Finished */
+            finished: boolean;
+            /** Failed */
+            failed: string | null;
         };
         /**
          * Proposal
@@ -1899,14 +1921,14 @@ export interface components {
         };
         /**
          * SetScene
-         * @description What stands around the robot.
+         * @description What stands around the robot, and what there is to do; the same again: from its beginning.
          */
         SetScene: {
             /**
              * Scene
              * @enum {string}
              */
-            scene: "empty";
+            scene: "empty" | "free" | "greeting" | "hardware" | "push" | "slalom" | "rough" | "fetch";
         };
         /**
          * SetSource
@@ -2080,6 +2102,7 @@ export interface components {
             source_report: components["schemas"]["SourceReport"];
             /** Scene */
             scene: string;
+            progress: components["schemas"]["Progress"];
             /** Latency Ms */
             latency_ms: {
                 [key: string]: number;
@@ -2163,6 +2186,18 @@ export interface components {
             scores: {
                 [key: string]: components["schemas"]["Score"];
             };
+        };
+        /**
+         * StepDone
+         * @description One step of a scene. text: what to do. t: s on the scene's clock when it was done.
+         */
+        StepDone: {
+            /** Text */
+            text: string;
+            /** Done */
+            done: boolean;
+            /** T */
+            t: number | null;
         };
         /**
          * Stopped
@@ -2515,6 +2550,7 @@ export interface components {
             source_report: components["schemas"]["SourceReport"];
             /** Scene */
             scene: string;
+            progress: components["schemas"]["Progress"];
             /** Latency Ms */
             latency_ms: {
                 [key: string]: number;

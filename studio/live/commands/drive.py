@@ -15,6 +15,7 @@ from studio.options import SCENES, STYLES, Travel
 from studio.reference.intent import STATES
 from studio.retarget.settings import LIMITS, checked_gain
 from studio.retarget.store import load_experts
+from studio.scenes.stage import Stage
 
 if TYPE_CHECKING:
     from studio.live.runtime import Runtime
@@ -95,14 +96,22 @@ class SetSource(Command):
 
 
 class SetScene(Command):
-    """What stands around the robot."""
+    """What stands around the robot, and what there is to do; the same again: from its beginning."""
 
     path: ClassVar[str] = "scene"
     scene: Annotated[str, OneOf("scene", SCENES)]
 
-    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
-        """Set it."""
-        runtime.scene = self.scene
+    def prepare(self, runtime: "Runtime") -> Stage:
+        """Build its world."""
+        return Stage(self.scene, runtime.config.puppeteer.seed)
+
+    def apply(self, runtime: "Runtime", now: float, prepared: Stage) -> Made:
+        """The robot stands at its start. StudioError while it is down, or motions are collected."""
+        if runtime.mode == "collect":
+            raise StudioError("collecting goes on: choose mode live first, then a scene")
+        if runtime.safety.needs_reset:
+            raise StudioError("the robot is down: reset first, then choose a scene")
+        runtime.puppeteer.set_stage(prepared)
         return {}
 
 

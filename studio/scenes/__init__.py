@@ -1,0 +1,1 @@
+"""What the operator tries: props, steps, and success read from the state of the world."""

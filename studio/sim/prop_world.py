@@ -1,0 +1,90 @@
+"""A World with props: where each is, what touched it, and how to throw one."""
+
+from collections.abc import Sequence
+
+import mujoco
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from studio import geometry
+from studio.robot.pose import RobotPose, RobotState
+from studio.sim.props import PropShape
+from studio.sim.world import World, WorldConfig
+
+Array = NDArray[np.float64]
+NEAR = 1e-3
+"""m: what is nearer touches, as for the robot's own contacts."""
+
+
+class PropWorld(World):
+    """As World. touched: (prop, what touched it) of the last control period: a capsule of the
+    robot ("FR_foot", "trunk_left" …) or another prop; a touch between two periods counts. The
+    ground is not told. One thread at a time.
+    """
+
+    def __init__(
+        self,
+        props: Sequence[PropShape],
+        seed: int = 0,
+        config: WorldConfig | None = None,
+    ) -> None:
+        self.props = {prop.name: prop for prop in props}
+        self.touched: frozenset[tuple[str, str]] = frozenset()
+        self._pairs: set[tuple[int, int]] = set()
+        self._geom_told = np.zeros(0, dtype=bool)
+        super().__init__(config or WorldConfig(), seed, props)
+
+    def _classify_geoms(self) -> None:
+        super()._classify_geoms()
+        model, props = self.model, self.props
+        body = [model.body(int(b)).name for b in model.geom_bodyid]
+        self._geom_name = [b if b in props else model.geom(i).name for i, b in enumerate(body)]
+        self._geom_told = np.array([b in props for b in body])
+        self._geom_ground = np.array([b == "world" for b in body])
+
+    def reset(self, pose: RobotPose | None = None) -> RobotState:
+        """As World's; what touched before is forgotten."""
+        self.touched = frozenset()
+        return super().reset(pose)
+
+    def step(self, target: ArrayLike) -> RobotState:
+        """As World's."""
+        self._pairs.clear()
+        state = super().step(target)
+        named = [(self._geom_name[a], self._geom_name[b]) for a, b in self._pairs]
+        self.touched = frozenset(
+            pair for a, b in named for pair in ((a, b), (b, a)) if pair[0] in self.props
+        )
+        return state
+
+    def _substep(self) -> None:
+        super()._substep()
+        contact = self.data.contact
+        pairs = contact.geom[contact.dist < NEAR]
+        told = self._geom_told[pairs].any(axis=1) & ~self._geom_ground[pairs].any(axis=1)
+        self._pairs.update((int(a), int(b)) for a, b in pairs[told])
+
+    def position(self, name: str) -> Array:
+        """(3,) m, world: the centre of a prop."""
+        if self.props[name].held in ("ground", "drawn"):
+            return self.data.geom(name).xpos.copy()
+        return self.data.body(name).xpos.copy()
+
+    def put(self, name: str, pos: ArrayLike) -> None:
+        """A prop to (3,) m, at rest and turned as declared: free, hung or fixed."""
+        held, body = self.props[name].held, self.model.body(name)
+        if held == "free":
+            self.throw(name, pos)
+        elif held == "fixed":
+            self.data.mocap_pos[body.mocapid[0]] = pos
+        else:
+            self.model.body_pos[body.id] = pos
+        mujoco.mj_kinematics(self.model, self.data)
+
+    def throw(self, name: str, pos: ArrayLike, lin_vel_w: ArrayLike = (0.0, 0.0, 0.0)) -> None:
+        """A free prop goes on from pos (3,) m, turned as declared, with lin_vel_w (3,) m/s."""
+        joint = self.data.joint(name)
+        quat = geometry.quat_from_rpy(self.props[name].rpy)
+        joint.qpos[:] = [*np.asarray(pos, dtype=np.float64), *quat]
+        joint.qvel[:] = [*np.asarray(lin_vel_w, dtype=np.float64), 0.0, 0.0, 0.0]
+        mujoco.mj_kinematics(self.model, self.data)

@@ -1,0 +1,102 @@
+"""What stands, hangs and lies beside the robot: each prop is one shape, added to the MuJoCo model.
+
+A prop is data, so that whoever draws it needs no simulator; called with a spec it is a `Prop`.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import mujoco
+import numpy as np
+
+from studio import geometry
+from studio.sim.spec import ROBOT_BIT, WORLD_BIT
+
+Kind = Literal["box", "ball", "cylinder", "capsule"]
+Held = Literal["ground", "fixed", "free", "hung", "drawn"]
+
+_KINDS = {
+    "box": mujoco.mjtGeom.mjGEOM_BOX,
+    "ball": mujoco.mjtGeom.mjGEOM_SPHERE,
+    "cylinder": mujoco.mjtGeom.mjGEOM_CYLINDER,
+    "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
+}
+_SIZES = {"box": 3, "ball": 1, "cylinder": 2, "capsule": 2}
+_SWING_DAMPING = 0.004
+"""N m s/rad at the top of a string: what is touched comes to rest within some seconds."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PropShape:
+    """One prop. SI units, world frame.
+
+    kind, size: box: half edges (x, y, z); ball: (radius,); cylinder, capsule: (radius, half
+    length), along z. pos: (x, y, z) of its centre at reset. rpy: rad.
+    held: "ground" can be walked on, and who lies on it has fallen; "fixed" stands still; "free" may
+    go anywhere; "hung" swings on a string of `string` m and meets nothing but the robot; "drawn" is
+    met by nothing (a mark on the floor).
+    overhang: (by, up to), m, of a free box on a smaller foot: `by` smaller on each side, up to that
+    height.
+    mass: kg, of what is free or hung. friction: on the floor; where the robot touches, the robot's
+    own counts. rolling: m, what slows a rolling ball. color: RGB in [0, 1].
+    """
+
+    name: str
+    kind: Kind
+    size: tuple[float, ...]
+    pos: tuple[float, float, float]
+    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    held: Held = "fixed"
+    mass: float = 0.1
+    friction: float = 0.6
+    rolling: float = 0.002
+    string: float = 0.6
+    overhang: tuple[float, float] | None = None
+    color: tuple[float, float, float] = (0.9, 0.5, 0.2)
+
+    def __post_init__(self) -> None:
+        assert len(self.size) == _SIZES[self.kind], (self.name, self.kind, self.size)
+
+    def __call__(self, spec: mujoco.MjSpec) -> None:
+        """Add it to the world."""
+        quat = geometry.quat_from_rpy(self.rpy)
+        if self.held in ("ground", "drawn"):
+            self._shape(spec.worldbody, self.size, self.pos, quat)
+            return
+        # What is fixed is "mocap" to MuJoCo, or it would become part of the ground when compiled.
+        fixed = self.held == "fixed"
+        body = spec.worldbody.add_body(name=self.name, pos=self.pos, quat=quat, mocap=fixed)
+        if self.held == "free":
+            body.add_freejoint(name=self.name)
+        elif self.held == "hung":
+            top = geometry.quat_rotate_inverse(quat, np.array([0.0, 0.0, self.string]))
+            body.add_joint(
+                name=self.name,
+                type=mujoco.mjtJoint.mjJNT_BALL,
+                pos=top,
+                damping=[_SWING_DAMPING, 0.0, 0.0],
+            )
+        if self.overhang is None:
+            self._shape(body, self.size, (0.0, 0.0, 0.0), geometry.IDENTITY_QUAT)
+            return
+        (x, y, z), (by, high) = self.size, self.overhang
+        top, foot = (x, y, z - 0.5 * high), (x - by, y - by, 0.5 * high)
+        self._shape(body, top, (0.0, 0.0, 0.5 * high), geometry.IDENTITY_QUAT)
+        self._shape(body, foot, (0.0, 0.0, 0.5 * high - z), geometry.IDENTITY_QUAT, "_foot")
+
+    def _shape(self, body: mujoco.MjsBody, size, pos, quat, part: str = "") -> None:
+        meets = {"drawn": (0, 0), "hung": (0, ROBOT_BIT)}
+        contype, conaffinity = meets.get(self.held, (WORLD_BIT, WORLD_BIT | ROBOT_BIT))
+        body.add_geom(
+            name=self.name + part,
+            type=_KINDS[self.kind],
+            size=[*size, 0.0, 0.0][:3],
+            pos=pos,
+            quat=quat,
+            mass=self.mass / (1 if self.overhang is None else 2),
+            contype=contype,
+            conaffinity=conaffinity,
+            condim=6 if self.kind == "ball" else 3,
+            friction=[self.friction, 0.005, self.rolling],
+            rgba=[*self.color, 1.0],
+        )
