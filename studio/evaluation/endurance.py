@@ -3,27 +3,19 @@
 Ten-second episodes from a reset cannot see a slow loop: only driving for minutes can.
 """
 
-import hashlib
-import json
 import logging
-import multiprocessing
-import os
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import numpy as np
 from scipy.stats import chi2
 
-from studio.control.policy import MODELS
 from studio.errors import StudioError
+from studio.evaluation.kept_runs import file_of, kept_runs
 from studio.evaluation.long_drive import LIE_S, WINDOW, Case, Run, endure
 from studio.evaluation.options import TableOptions
 from studio.evaluation.tracking import CACHE
-from studio.files import fingerprint, write_whole
 from studio.options import ControllerName
 from studio.robot.a1 import CONTROL_DT
 from studio.synthetic.impaired import BRISK, TRAVELLER
@@ -90,7 +82,9 @@ def run_endurance(options: Options = Options(), *, cache: Path | None = CACHE) -
         known = sorted({f"{c.source} by {c.controller}" for c in CASES})
         raise StudioError(f"no such case: choose source and controller of {', '.join(known)}")
     jobs = [(case, FIRST_SEED + options.seed + k) for case in cases for k in range(case.people)]
-    runs = _each(jobs, options.threads or os.cpu_count() or 1, cache)
+    keys = [[{**asdict(case), "people": None}, seed] for case, seed in jobs]
+    files = [file_of(cache, "endure", _FLOW, key) for key in keys]
+    runs = kept_runs(_run, Run, jobs, files, options.threads)
     rows = []
     for case in cases:
         rows.append(row(case, [next(runs) for _ in range(case.people)], options.seed))
@@ -98,34 +92,8 @@ def run_endurance(options: Options = Options(), *, cache: Path | None = CACHE) -
     return {"rows": rows}
 
 
-def _each(jobs: Sequence[tuple[Case, int]], processes: int, cache: Path | None) -> Iterator[Run]:
-    """Runs of the jobs, in their order."""
-    files = [_file(cache, *job) for job in jobs]
-    if processes <= 1 or len(jobs) == 1:
-        yield from map(_kept, *zip(*jobs, strict=True), files)
-        return
-    context = multiprocessing.get_context("spawn")
-    with ProcessPoolExecutor(min(processes, len(jobs)), mp_context=context) as pool:
-        yield from pool.map(_kept, *zip(*jobs, strict=True), files)
-
-
-def _kept(case: Case, seed: int, file: Path | None) -> Run:
-    """`endure`, or what it said before."""
-    if file is not None and file.exists():
-        return msgspec.json.decode(file.read_bytes(), type=Run)
-    run = endure(case, seed)
-    if file is not None:
-        write_whole(file, json.dumps(asdict(run)), parents=True)
-    return run
-
-
-def _file(cache: Path | None, case: Case, seed: int) -> Path | None:
-    """Where a person's run is kept: it changes with the code of the flow and with the models."""
-    if cache is None:
-        return None
-    models = sorted(MODELS.parent.rglob("*.safetensors")) + sorted(MODELS.parent.rglob("*.json"))
-    key = [fingerprint(*_FLOW, *models), {**asdict(case), "people": None}, seed]
-    return cache / f"endure-{hashlib.sha256(json.dumps(key).encode()).hexdigest()[:16]}.json"
+def _run(job: tuple[Case, int]) -> Run:
+    return endure(*job)
 
 
 def row(case: Case, runs: list[Run], seed: int) -> dict[str, Any]:

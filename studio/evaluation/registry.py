@@ -27,6 +27,7 @@ TABLES = {
     "endurance": "minutes of driving: mean time between falls",
     "styles": "three ways of meaning walk, in physics",
     "travel": "who crosses the room: speeds and turns, of what the person did",
+    "composite": "who completes the scenes, step by step",
     "response": "how late the robot does what a person does, stage by stage",
     "pairs": "the mapper beside simpler ones, by number of pairs",
     "people": "real clips that nothing was trained on (needs --clips)",

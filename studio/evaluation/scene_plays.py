@@ -1,0 +1,210 @@
+"""How the scripted operator does each step of each scene: what they see to what they mean.
+
+A play is a generator: an Intent each control period. It ends when it has no more to try; then the
+operator stands and waits.
+"""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from studio import geometry
+from studio.evaluation.scene_operator import Meaning, ScriptedOperator
+from studio.reference.intent import Intent
+from studio.robot.a1 import CONTROL_DT
+from studio.scenes import fetch, push, rough, slalom
+
+Array = NDArray[np.float64]
+Play = Callable[[ScriptedOperator], Meaning]
+
+BRISK, SLOW = (0.75, 0.5), (0.5, 0.3)
+"""(strides a second, lift) of marches that the robot follows at some 0.25 and 0.13 m/s."""
+STEER, TURN = 0.6, 0.45
+"""1/s: turn asked for of a bearing; rad/s, the most."""
+NEAR, LEAD, CLOSE = 0.5, 0.12, 0.06
+"""m left from which a march is slow; that it still goes after its operator saw enough; that count
+as there."""
+CROSS = 2.0
+"""rad/m: how much a heading is changed for being beside the line along which to push."""
+NUDGE_S, LONGER_S = 1.5, 0.3
+"""s of a march that is meant as a step; s longer each time that it did not become one."""
+SITS = 0.32
+"""m: a trunk that is higher sits."""
+
+
+def walking(way: Array, pace: tuple[float, float] = BRISK) -> Intent:
+    """March on towards something that is seen (ahead, to the left)."""
+    bearing = np.arctan2(way[1], max(way[0], 0.5))
+    turn = float(np.clip(STEER * bearing, -TURN, TURN))
+    return Intent(state="walk", task="walk", cadence=pace[0], lift=pace[1], turn=turn)
+
+
+def wait(seconds: float, intent: Intent | None = None) -> Meaning:
+    """The same for a while."""
+    for _ in range(round(seconds / CONTROL_DT)):
+        yield intent or Intent()
+
+
+def halt(me: ScriptedOperator) -> Meaning:
+    """Stand until the robot has come to rest."""
+    still, before = 0, me.sight.base
+    yield from wait(0.8)
+    for _ in range(150):
+        yield Intent()
+        way = float(np.linalg.norm(me.sight.base[:2] - before[:2]))
+        before = 0.8 * before + 0.2 * me.sight.base
+        still = still + 1 if way < 0.02 else 0
+        if still > 12:
+            return
+
+
+def approach(where: Callable[[], Array], me: ScriptedOperator, ahead: float) -> Meaning:
+    """Walk until a place (ahead, to the left) is about `ahead` m ahead of the trunk, and stop; then
+    step by step, and rather too few steps: nobody can march backward."""
+    while (left := where()[0] - ahead) > LEAD + CLOSE:
+        yield walking(where(), SLOW if left < NEAR else BRISK)
+    yield from halt(me)
+    seconds = NUDGE_S
+    while (left := where()[0] - ahead) > CLOSE:
+        yield from wait(seconds, walking(np.array([1.0, 0.0]), SLOW))
+        yield from halt(me)
+        if left - (where()[0] - ahead) < 0.02:
+            seconds += LONGER_S
+
+
+# Steps that scenes share ---------------------------------------------------------------------
+
+
+def greet(me: ScriptedOperator) -> Meaning:
+    """Lean to the right, then to the left, until it was seen."""
+    yield from wait(1.0)
+    while True:
+        yield from wait(2.0, Intent(task="tilt", tilt=np.array([0.4, 0.0, 0.0])))
+        yield from wait(2.0, Intent(task="tilt", tilt=np.array([-0.4, 0.0, 0.0])))
+
+
+def walk_to(me: ScriptedOperator, x: float, y: float) -> Meaning:
+    """Walk to a place in the world and stand there."""
+    yield from approach(lambda: me.sight.to(np.array([x, y])), me, 0.0)
+
+
+def duck(me: ScriptedOperator) -> Meaning:
+    """Crouch while the ball may come."""
+    while True:
+        yield Intent(task="crouch", crouch=1.0)
+
+
+def touch_standing(me: ScriptedOperator, name: str) -> Meaning:
+    """Go near, raise the paw of the side that it is on, and feel for it."""
+    while True:
+        yield from approach(lambda: me.sight.of(name), me, 0.42)
+        for k in range(4):
+            left = me.sight.of(name)[1]
+            paw = 1 if left > 0.0 else 0
+            side = float(np.clip((left - (0.1 if paw else -0.1)) / 0.25, -1.0, 1.0))
+            for share in np.linspace(0.0, 1.0, 60):
+                reach = np.zeros(2)
+                reach[paw] = 0.3 + 0.6 * np.sin(np.pi * share)
+                sides = np.zeros(2)
+                sides[paw] = np.clip(side + (0.0, 0.3, -0.3, 0.0)[k], -1.0, 1.0)
+                yield Intent(task="manipulate", reach=reach, reach_side=sides)
+        yield from halt(me)
+
+
+def touch_sitting(me: ScriptedOperator, name: str, ahead: float, aside: float = 0.0) -> Meaning:
+    """Go under it, sit, and feel for it with both paws; or, where it is `aside` m to the left, with
+    that of its side."""
+    while True:
+        if me.sight.base[2] < SITS:
+            yield from approach(lambda: me.sight.of(name) - [0.0, aside], me, ahead)
+        for _ in range(300):
+            yield Intent(state="sit", task="sit_quiet")
+            if me.sight.base[2] > SITS:
+                break
+        yield from wait(1.0, Intent(state="sit", task="sit_quiet"))
+        paws = np.array([aside <= 0.0, aside >= 0.0])
+        for pitch, off in ((0.0, 0.0), (0.1, 0.0), (0.2, 0.0), (0.05, 0.07), (0.05, -0.07)):
+            beside = me.sight.of(name)[1] - aside + off
+            sides = np.clip(np.where(paws, beside / 0.13, 0.0), -1.0, 1.0)
+            for share in np.linspace(0.0, 1.0, 110):
+                reach = paws * np.sin(np.pi * share) ** 0.7
+                tilt = np.array([0.0, pitch, 0.0])
+                yield Intent(
+                    state="sit", task="sit_manipulate", reach=reach, reach_side=sides, tilt=tilt
+                )
+        yield from wait(4.0)
+
+
+def push_to(me: ScriptedOperator, name: str, x: float, y: float) -> Meaning:
+    """Walk into it from behind, on the line from the mark through it, until it is nearly there."""
+    mark, way = np.array([x, y]), np.array([1.0, 0.0])
+    while True:
+        prop = me.sight.pos[name][:2]
+        left = float((mark - prop) @ way)
+        if left < LEAD:
+            yield from halt(me)
+            continue
+        if left > 0.3:
+            way = (mark - prop) / np.linalg.norm(mark - prop)
+        behind = me.sight.base[:2] - prop
+        beside = float(way[0] * behind[1] - way[1] * behind[0])
+        heading = np.arctan2(way[1], way[0]) - np.clip(CROSS * beside, -0.6, 0.6)
+        bearing = float(geometry.wrap_angle(heading - me.sight.yaw))
+        yield walking(np.array([np.cos(bearing), np.sin(bearing)]))
+
+
+def go_through(me: ScriptedOperator, places: Callable[[ScriptedOperator], list[Array]]) -> Meaning:
+    """Walk through places of the world, each until it is passed."""
+    for k in range(len(places(me))):
+        while (ahead := me.sight.to(places(me)[k]))[0] > 0.1:
+            yield walking(ahead)
+
+
+def past_pole(me: ScriptedOperator, k: int, aside: float) -> Meaning:
+    """Beside a pole, then on."""
+    pole = f"pole{k + 1}"
+
+    def beside(me: ScriptedOperator) -> list[Array]:
+        at = me.sight.pos[pole][:2] + [0.0, aside * slalom.SIDES[k]]
+        return [at, at + [1.0, 0.0]]
+
+    return go_through(me, beside)
+
+
+def straight(me: ScriptedOperator, x: float) -> Meaning:
+    """On along the middle."""
+    while True:
+        ahead = me.sight.to(np.array([max(x, float(me.sight.base[0]) + 1.0), 0.0]))
+        yield walking(ahead)
+
+
+PLAYS: Mapping[str, Mapping[str, Play]] = {
+    "greeting": {
+        "greet": greet,
+        "walk": partial(walk_to, x=3.0, y=0.0),
+        "dodge": duck,
+        "touch": partial(touch_standing, name="target"),
+        "reach": partial(touch_sitting, name="high", ahead=-0.06),
+    },
+    "hardware": {
+        "hit": partial(touch_sitting, name="tennis", ahead=0.05, aside=-0.13),
+        "touch": partial(touch_sitting, name="bone", ahead=-0.05),
+        "dodge": duck,
+    },
+    "push": {
+        "walk": partial(push_to, name="box", x=push.GOAL[0], y=push.GOAL[1]),
+        "push": partial(push_to, name="box", x=push.GOAL[0], y=push.GOAL[1]),
+    },
+    "slalom": {
+        **{f"pole{k + 1}": partial(past_pole, k=k, aside=0.42) for k in range(len(slalom.SIDES))},
+        "finish": partial(straight, x=slalom.END + 0.3),
+    },
+    "rough": {name: partial(straight, x=rough.END + 0.3) for name in ("stairs", "slope", "bumps")},
+    "fetch": {
+        "reach": partial(push_to, name="ball", x=fetch.GOAL_X + 0.4, y=0.0),
+        "goal": partial(push_to, name="ball", x=fetch.GOAL_X + 0.4, y=0.0),
+    },
+}
+"""For each scene, how each of its steps is done."""
