@@ -27,6 +27,8 @@ from studio.options import Style
 from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
 from studio.synthetic.operator import InteractiveOperator
+from studio.takes.record.codec import decode, encode
+from studio.takes.tick import Tick
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
@@ -106,9 +108,9 @@ def run_composite(options: Options = Options(), *, cache: Path | None = CACHE) -
     return {"rows": rows}
 
 
-def attempt(job: Job, seen: Callable[[HumanPose | None], None] | None = None) -> Run:
-    """One person tries. seen: given what the sensor saw of them in each control period, which is
-    all that the puppeteer is given."""
+def attempt(job: Job, on_tick: Callable[[Tick], None] | None = None) -> Run:
+    """One person tries. All that the puppeteer is given is what a sensor saw of them, to the
+    micrometre that a tape keeps: whoever plays a recorded attempt again has the same run."""
     person, puppeteer = person_of(job), puppeteer_of(job)
     eyes = Eyes(puppeteer.stage, np.random.default_rng([job.seed, 17]))
     operator = ScriptedOperator(PLAYS[job.scene])
@@ -116,11 +118,9 @@ def attempt(job: Job, seen: Callable[[HumanPose | None], None] | None = None) ->
     def motion(k: int) -> HumanPose | None:
         person.set_intent(operator.mean(eyes.see()))
         pose = person.read(k * CONTROL_DT)
-        if seen is not None:
-            seen(pose)
-        return pose
+        return None if pose is None else decode("human", encode("human", pose))
 
-    return play(puppeteer, motion)
+    return play(puppeteer, motion, on_tick)
 
 
 def person_of(job: Job) -> InteractiveOperator:
@@ -141,7 +141,11 @@ def puppeteer_of(job: Job) -> Puppeteer:
     )
 
 
-def play(puppeteer: Puppeteer, motion: Callable[[int], HumanPose | None]) -> Run:
+def play(
+    puppeteer: Puppeteer,
+    motion: Callable[[int], HumanPose | None],
+    on_tick: Callable[[Tick], None] | None = None,
+) -> Run:
     """Drive with what was seen of a person in each period until the scene is finished or failed."""
     stage, k, since, done = puppeteer.stage, 0, 0.0, 0
     while not stage.finished and stage.failed is None:
@@ -149,7 +153,9 @@ def play(puppeteer: Puppeteer, motion: Callable[[int], HumanPose | None]) -> Run
         assert step is not None
         if since > step.within + _OVERTIME:
             break
-        puppeteer.step(motion(k))
+        tick = puppeteer.step(motion(k))
+        if on_tick is not None:
+            on_tick(tick)
         since = since + CONTROL_DT if len(stage.done) == done else 0.0
         k, done = k + 1, len(stage.done)
     return Run(

@@ -21,11 +21,12 @@ Play = Callable[[ScriptedOperator], Meaning]
 
 BRISK, SLOW = (0.75, 0.5), (0.5, 0.3)
 """(strides a second, lift) of marches that the robot follows at some 0.25 and 0.13 m/s."""
-STEER, TURN = 0.6, 0.45
+STEER, TURN = 1.2, 0.45
 """1/s: turn asked for of a bearing; rad/s, the most."""
-NEAR, LEAD, CLOSE = 0.5, 0.12, 0.06
-"""m left from which a march is slow; that it still goes after its operator saw enough; that count
-as there."""
+NEAR, LEAD = 0.5, 0.12
+"""m left from which a march is slow; that it still goes after its operator saw enough."""
+PUSHES = 0.55
+"""m behind the middle of what is pushed: from here on turn little, or it slips off."""
 CROSS = 2.0
 """rad/m: how much a heading is changed for being beside the line along which to push."""
 NUDGE_S, LONGER_S = 1.5, 0.3
@@ -60,14 +61,16 @@ def halt(me: ScriptedOperator) -> Meaning:
             return
 
 
-def approach(where: Callable[[], Array], me: ScriptedOperator, ahead: float) -> Meaning:
-    """Walk until a place (ahead, to the left) is about `ahead` m ahead of the trunk, and stop; then
-    step by step, and rather too few steps: nobody can march backward."""
-    while (left := where()[0] - ahead) > LEAD + CLOSE:
+def approach(
+    me: ScriptedOperator, where: Callable[[], Array], ahead: float, close: float = 0.1
+) -> Meaning:
+    """Walk until a place (ahead, to the left) is `ahead` m ahead of the trunk, or `close` m more,
+    and stop; step by step at last, and rather too few steps: nobody can march backward."""
+    while (left := where()[0] - ahead) > LEAD + 0.5 * close:
         yield walking(where(), SLOW if left < NEAR else BRISK)
     yield from halt(me)
     seconds = NUDGE_S
-    while (left := where()[0] - ahead) > CLOSE:
+    while (left := where()[0] - ahead) > close:
         yield from wait(seconds, walking(np.array([1.0, 0.0]), SLOW))
         yield from halt(me)
         if left - (where()[0] - ahead) < 0.02:
@@ -87,7 +90,7 @@ def greet(me: ScriptedOperator) -> Meaning:
 
 def walk_to(me: ScriptedOperator, x: float, y: float) -> Meaning:
     """Walk to a place in the world and stand there."""
-    yield from approach(lambda: me.sight.to(np.array([x, y])), me, 0.0)
+    yield from approach(me, lambda: me.sight.to(np.array([x, y])), 0.0)
 
 
 def duck(me: ScriptedOperator) -> Meaning:
@@ -99,7 +102,7 @@ def duck(me: ScriptedOperator) -> Meaning:
 def touch_standing(me: ScriptedOperator, name: str) -> Meaning:
     """Go near, raise the paw of the side that it is on, and feel for it."""
     while True:
-        yield from approach(lambda: me.sight.of(name), me, 0.42)
+        yield from approach(me, lambda: me.sight.of(name), 0.40)
         for k in range(4):
             left = me.sight.of(name)[1]
             paw = 1 if left > 0.0 else 0
@@ -113,19 +116,21 @@ def touch_standing(me: ScriptedOperator, name: str) -> Meaning:
         yield from halt(me)
 
 
-def touch_sitting(me: ScriptedOperator, name: str, ahead: float, aside: float = 0.0) -> Meaning:
-    """Go under it, sit, and feel for it with both paws; or, where it is `aside` m to the left, with
-    that of its side."""
+def touch_sitting(
+    me: ScriptedOperator, name: str, ahead: float, close: float = 0.1, aside: float = 0.0
+) -> Meaning:
+    """Go under it, sit, and feel for it with both paws; or, where it is to be `aside` m to the
+    left, with that of its side."""
     while True:
         if me.sight.base[2] < SITS:
-            yield from approach(lambda: me.sight.of(name) - [0.0, aside], me, ahead)
+            yield from approach(me, lambda: me.sight.of(name) - [0.0, aside], ahead, close)
         for _ in range(300):
             yield Intent(state="sit", task="sit_quiet")
             if me.sight.base[2] > SITS:
                 break
         yield from wait(1.0, Intent(state="sit", task="sit_quiet"))
         paws = np.array([aside <= 0.0, aside >= 0.0])
-        for pitch, off in ((0.0, 0.0), (0.1, 0.0), (0.2, 0.0), (0.05, 0.07), (0.05, -0.07)):
+        for pitch, off in ((0.0, 0.0), (0.12, 0.0), (0.24, 0.0), (0.05, 0.06), (0.05, -0.06)):
             beside = me.sight.of(name)[1] - aside + off
             sides = np.clip(np.where(paws, beside / 0.13, 0.0), -1.0, 1.0)
             for share in np.linspace(0.0, 1.0, 110):
@@ -152,6 +157,8 @@ def push_to(me: ScriptedOperator, name: str, x: float, y: float) -> Meaning:
         beside = float(way[0] * behind[1] - way[1] * behind[0])
         heading = np.arctan2(way[1], way[0]) - np.clip(CROSS * beside, -0.6, 0.6)
         bearing = float(geometry.wrap_angle(heading - me.sight.yaw))
+        if float(way @ behind) > -PUSHES:
+            bearing *= 0.5
         yield walking(np.array([np.cos(bearing), np.sin(bearing)]))
 
 
@@ -186,11 +193,11 @@ PLAYS: Mapping[str, Mapping[str, Play]] = {
         "walk": partial(walk_to, x=3.0, y=0.0),
         "dodge": duck,
         "touch": partial(touch_standing, name="target"),
-        "reach": partial(touch_sitting, name="high", ahead=-0.06),
+        "reach": partial(touch_sitting, name="high", ahead=-0.12),
     },
     "hardware": {
-        "hit": partial(touch_sitting, name="tennis", ahead=0.05, aside=-0.13),
-        "touch": partial(touch_sitting, name="bone", ahead=-0.05),
+        "hit": partial(touch_sitting, name="tennis", ahead=0.03, close=0.05, aside=-0.13),
+        "touch": partial(touch_sitting, name="bone", ahead=-0.08),
         "dodge": duck,
     },
     "push": {

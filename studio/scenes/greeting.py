@@ -43,13 +43,12 @@ SCENE = Scene(
             name="touch",
             goal="Touch the green ball with a front paw.",
             done=touched_by_paw("target"),
-            within=40.0,
         ),
         Step(
             name="reach",
             goal="Sit, and touch the plate that hangs 0.8 m high with a front paw.",
             done=touched_by_paw("high"),
-            within=60.0,
+            within=90.0,
         ),
     ),
 )  # fmt: skip

@@ -21,11 +21,13 @@ SCENE = Scene(
             name="hit",
             goal="Hit the tennis ball, 0.42 m high, with a front paw.",
             done=touched_by_paw("tennis"),
+            within=90.0,
         ),
         Step(
             name="touch",
             goal="Touch the bone, 0.8 m high, with a front paw: you have to sit.",
             done=touched_by_paw("bone"),
+            within=90.0,
         ),
         Step(
             name="dodge",

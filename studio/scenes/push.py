@@ -6,11 +6,11 @@ from studio.scenes.things import WOOD, mark
 from studio.sim.props import PropShape
 
 BOX = PropShape(
-    name="box", kind="box", size=(0.2, 0.25, 0.2), pos=(1.2, 0.0, 0.2), held="free", mass=1.0,
+    name="box", kind="box", size=(0.2, 0.25, 0.2), pos=(1.5, 0.0, 0.2), held="free", mass=1.0,
     friction=0.3, overhang=(0.12, 0.15), color=WOOD,
 )  # fmt: skip
 """On a narrower foot, so that the body pushes it, and not one foot after the other."""
-GOAL, RADIUS = (2.2, 0.0), 0.25
+GOAL, RADIUS = (2.3, 0.0), 0.25
 
 SCENE = Scene(
     name="push",
