@@ -23,6 +23,8 @@ BRISK, SLOW = (0.75, 0.5), (0.5, 0.3)
 """(strides a second, lift) of marches that the robot follows at some 0.25 and 0.13 m/s."""
 STEER, TURN = 1.2, 0.45
 """1/s: turn asked for of a bearing; rad/s, the most."""
+FORESEES = 0.8
+"""s for which a turn goes on after its operator has stopped asking for it."""
 NEAR, LEAD = 0.5, 0.12
 """m left from which a march is slow; that it still goes after its operator saw enough."""
 PUSHES = 0.55
@@ -35,9 +37,10 @@ SITS = 0.32
 """m: a trunk that is higher sits."""
 
 
-def walking(way: Array, pace: tuple[float, float] = BRISK) -> Intent:
-    """March on towards something that is seen (ahead, to the left)."""
-    bearing = np.arctan2(way[1], max(way[0], 0.5))
+def walking(way: Array, pace: tuple[float, float] = BRISK, turning: float = 0.0) -> Intent:
+    """March on towards something that is seen (ahead, to the left), while the robot is seen to turn
+    (rad/s) and will for a while yet."""
+    bearing = np.arctan2(way[1], max(way[0], 0.5)) - FORESEES * turning
     turn = float(np.clip(STEER * bearing, -TURN, TURN))
     return Intent(state="walk", task="walk", cadence=pace[0], lift=pace[1], turn=turn)
 
@@ -67,7 +70,7 @@ def approach(
     """Walk until a place (ahead, to the left) is `ahead` m ahead of the trunk, or `close` m more,
     and stop; step by step at last, and rather too few steps: nobody can march backward."""
     while (left := where()[0] - ahead) > LEAD + 0.5 * close:
-        yield walking(where(), SLOW if left < NEAR else BRISK)
+        yield walking(where(), SLOW if left < NEAR else BRISK, me.sight.turning)
     yield from halt(me)
     seconds = NUDGE_S
     while (left := where()[0] - ahead) > close:
@@ -159,14 +162,14 @@ def push_to(me: ScriptedOperator, name: str, x: float, y: float) -> Meaning:
         bearing = float(geometry.wrap_angle(heading - me.sight.yaw))
         if float(way @ behind) > -PUSHES:
             bearing *= 0.5
-        yield walking(np.array([np.cos(bearing), np.sin(bearing)]))
+        yield walking(np.array([np.cos(bearing), np.sin(bearing)]), turning=me.sight.turning)
 
 
 def go_through(me: ScriptedOperator, places: Callable[[ScriptedOperator], list[Array]]) -> Meaning:
     """Walk through places of the world, each until it is passed."""
     for k in range(len(places(me))):
         while (ahead := me.sight.to(places(me)[k]))[0] > 0.1:
-            yield walking(ahead)
+            yield walking(ahead, turning=me.sight.turning)
 
 
 def past_pole(me: ScriptedOperator, k: int, aside: float) -> Meaning:
@@ -175,7 +178,7 @@ def past_pole(me: ScriptedOperator, k: int, aside: float) -> Meaning:
 
     def beside(me: ScriptedOperator) -> list[Array]:
         at = me.sight.pos[pole][:2] + [0.0, aside * slalom.SIDES[k]]
-        return [at, at + [1.0, 0.0]]
+        return [at - [0.4, 0.0], at + [0.4, 0.0]]
 
     return go_through(me, beside)
 
@@ -184,7 +187,7 @@ def straight(me: ScriptedOperator, x: float) -> Meaning:
     """On along the middle."""
     while True:
         ahead = me.sight.to(np.array([max(x, float(me.sight.base[0]) + 1.0), 0.0]))
-        yield walking(ahead)
+        yield walking(ahead, turning=me.sight.turning)
 
 
 PLAYS: Mapping[str, Mapping[str, Play]] = {
@@ -205,7 +208,7 @@ PLAYS: Mapping[str, Mapping[str, Play]] = {
         "push": partial(push_to, name="box", x=push.GOAL[0], y=push.GOAL[1]),
     },
     "slalom": {
-        **{f"pole{k + 1}": partial(past_pole, k=k, aside=0.42) for k in range(len(slalom.SIDES))},
+        **{f"pole{k + 1}": partial(past_pole, k=k, aside=0.5) for k in range(len(slalom.SIDES))},
         "finish": partial(straight, x=slalom.END + 0.3),
     },
     "rough": {name: partial(straight, x=rough.END + 0.3) for name in ("stairs", "slope", "bumps")},

@@ -22,9 +22,9 @@ SCENE = Scene(
         Step(name="walk", goal="Walk to the box.", done=touched_by_robot("box")),
         Step(
             name="push",
-            goal="Push the box until its middle is on the mark.",
+            goal="Push the box onto the mark, its middle inside, and leave it there.",
             done=prop_near("box", *GOAL, RADIUS),
-            hold=0.3,
+            hold=3.0,
             within=120.0,
         ),
     ),
