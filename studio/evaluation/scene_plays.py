@@ -151,7 +151,7 @@ def push_to(me: ScriptedOperator, name: str, x: float, y: float) -> Meaning:
     while True:
         prop = me.sight.pos[name][:2]
         left = float((mark - prop) @ way)
-        if left < LEAD:
+        if left < 2.0 * LEAD:
             yield from halt(me)
             continue
         if left > 0.3:

@@ -6,7 +6,7 @@ from studio.scenes.things import BONE, hung_ball, thrown_ball
 from studio.sim.props import PropShape
 
 BONE_HUNG = PropShape(
-    name="bone", kind="box", size=(0.13, 0.09, 0.03), pos=(1.3, 0.0, 0.8), held="hung", mass=0.12,
+    name="bone", kind="box", size=(0.12, 0.15, 0.03), pos=(1.3, 0.0, 0.8), held="hung", mass=0.12,
     color=BONE,
 )  # fmt: skip
 

@@ -10,7 +10,7 @@ BOX = PropShape(
     friction=0.3, overhang=(0.12, 0.15), color=WOOD,
 )  # fmt: skip
 """On a narrower foot, so that the body pushes it, and not one foot after the other."""
-GOAL, RADIUS = (2.3, 0.0), 0.25
+GOAL, RADIUS = (2.3, 0.0), 0.3
 
 SCENE = Scene(
     name="push",

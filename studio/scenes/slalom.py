@@ -4,7 +4,7 @@ from studio.scenes.checks import past
 from studio.scenes.scene import Scene, Step
 from studio.scenes.things import mark, pole
 
-FIRST, APART, WIDE = 2.0, 2.4, 1.0
+FIRST, APART, WIDE = 2.5, 3.0, 1.2
 """m: to the first pole, between poles, and how far beside it a pole still counts as passed."""
 SIDES = (1.0, -1.0, 1.0)
 POLES = tuple(pole(f"pole{k + 1}", FIRST + k * APART, 0.0) for k in range(len(SIDES)))
