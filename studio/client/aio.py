@@ -42,6 +42,7 @@ class AsyncStudio:
     stop = _awaited(Studio.stop)
     reset = _awaited(Studio.reset)
     arm = _awaited(Studio.arm)
+    transport = _awaited(Studio.transport)
     takes = _awaited(Studio.takes)
     take = _awaited(Studio.take)
     start_take = _awaited(Studio.start_take)

@@ -5,6 +5,7 @@ from typing import Any, Literal, NotRequired, TypedDict
 
 Mode = Literal["idle", "live", "replay", "collect"]
 StateLock = Literal["auto", "stand", "walk", "sit"]
+TransportAction = Literal["play", "pause", "again", "seek", "step", "speed", "loop"]
 Format = Literal["jsonl", "bvh", "npz", "csv", "pairs", "hdf5", "mcap", "lerobot", "html"]
 Skeleton = Literal["studio", "mediapipe", "k4abt", "kinect2"]
 Point = Sequence[float] | None
@@ -56,6 +57,17 @@ class Tick(TypedDict):
     counters: dict[str, int]
 
 
+class Transport(TypedDict):
+    """Where in a clip or a take we are. playing: it goes on now."""
+
+    position_s: float
+    length_s: float
+    playing: bool
+    loop: bool
+    speed: float
+    ended: bool
+
+
 class State(TypedDict):
     """What the studio is doing, and in `why` why nothing moves if nothing does."""
 
@@ -77,6 +89,7 @@ class State(TypedDict):
     latency_ms: dict[str, float]
     counters: dict[str, int]
     robot: Pose
+    transport: Transport | None
 
 
 class Take(TypedDict):

@@ -19,6 +19,7 @@ from studio.client.messages import (
     StoppedTake,
     Take,
     Tick,
+    TransportAction,
 )
 from studio.client.wire import ENDED, error_in, frame_text, not_opened, socket_options
 
@@ -64,6 +65,11 @@ class Studio:
     def arm(self) -> State:
         """Follow the person, from now on."""
         return self.address.ask("POST", "/api/arm")
+
+    def transport(self, action: TransportAction, **more: float | bool) -> State:
+        """Move in a clip or a take: `position_s` with "seek", `frames` with "step", `speed`, and
+        `on` with "loop"."""
+        return self.address.ask("POST", "/api/transport", {"action": action, **more})
 
     def takes(self) -> list[Take]:
         """All takes."""

@@ -61,6 +61,9 @@ class Directive(Enum):
     REST = "rest"
     """Go to the neutral pose of the present state; from walking, stand: what tracks a walk was not
     trained to keep still, and who is left standing in it falls."""
+    KEEP = "keep"
+    """Follow without leaving the present state, or rest in it where the person means another; from
+    walking, stand."""
     STAND = "stand"
     """Go to neutral standing, out of a transition too."""
 

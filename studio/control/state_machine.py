@@ -73,7 +73,7 @@ class StateMachine:
         self._changes_state = False  # the path leads to another state
         self._strides = StrideMemory()
         self._stopping: Halt | PutDown | None = None
-        self._following = False
+        self._following = self._followed = False
         self._rested = True
         self._settling = 0
 
@@ -111,6 +111,7 @@ class StateMachine:
 
     def rejoin(self) -> None:
         """The reference to come has nothing to do with the last one: align and ease anew."""
+        self._followed |= self._following
         self._following = False
 
     def step(
@@ -123,14 +124,15 @@ class StateMachine:
         """The reference to track in this control period.
 
         wanted: the state asked for. reference: the retargeted one of that state's expert, going
-        on from ours (see `following`). None: there is none, the robot rests in that state.
-        ramp: s in which to ease into following, if it begins now.
+        on from ours (see `following`). None: there is none, the robot rests in that state. ramp: s
+        in which to ease into following, if it begins now.
         """
-        wanted = self._wanted(wanted, directive)
+        asked, wanted = wanted, self._wanted(wanted, directive)
         self._turn_back(directive)
         self._ramp = EASE if ramp is None else max(ramp, EASE)
         if self._path is None and self._stopping is None:
-            self._leave(wanted, directive, follows=reference is not None)
+            self._leave(wanted, directive, follows=reference is not None and wanted == asked)
+        self._followed = False
         pose = self._advance(reference)
         self.reference = with_velocity(pose, self._last)
         self._last = pose
@@ -140,9 +142,8 @@ class StateMachine:
     # Which way to go ---------------------------------------------------------------------------
 
     def _wanted(self, wanted: StateName, directive: Directive) -> StateName:
-        if directive is Directive.STAND or (directive is Directive.REST and self.state == "walk"):
-            return "stand"
-        return wanted if directive is Directive.FOLLOW else self.state
+        kept = "stand" if directive is Directive.STAND or self.state == "walk" else self.state
+        return wanted if directive is Directive.FOLLOW else kept
 
     def _turn_back(self, directive: Directive) -> None:
         """A call to stand also ends a transition to elsewhere, from wherever it is."""
@@ -160,13 +161,14 @@ class StateMachine:
         if self._settling > 0:  # a state reached is shown before it is left again
             self._settling -= 1
             return
-        if directive is Directive.FOLLOW and wanted == self.state and follows:
+        follows = follows and directive in (Directive.FOLLOW, Directive.KEEP)
+        if wanted == self.state and follows:
             if not self._following:
                 self._following, self._rested = True, False
                 self._ease_t, self._ease = 0.0, self._ramp
                 self._held = self._last
             return
-        moving = self._following
+        moving = self._following or self._followed
         self._following = False
         self._stopping = self._strides.halt(self._last, self.reference) if moving else None
         if self._stopping is not None:

@@ -63,6 +63,33 @@ class Replay:
             if playing and self.t >= self.range[1] - _EPS:
                 self.t = self.range[0]
 
+    # As the one transport sees it (`commands.transport`).
+
+    @property
+    def start(self) -> float:
+        """s, from where it is played again."""
+        return self.range[0]
+
+    @property
+    def place(self) -> float:
+        """The time shown, s."""
+        return self.t
+
+    @property
+    def length(self) -> float:
+        """s."""
+        return self.seconds
+
+    @property
+    def runs(self) -> bool:
+        """It plays."""
+        return self.playing
+
+    @property
+    def ended(self) -> bool:
+        """Playing has come to its end."""
+        return not self.playing and self.t >= self.range[1] - _EPS
+
     def step(self) -> Tick:
         """The tick to show in this control period, the person new only if it is another row."""
         tick = self._take.at(self._advance())

@@ -11,6 +11,7 @@ from studio.human.calibration import Calibration, calibrate
 from studio.live.collect_stages import Step
 from studio.live.collecting import Collector
 from studio.live.mappers import SHIPPED, Mappers, OpenedMapper
+from studio.live.meeting import Meeting
 from studio.live.replay import Replay
 from studio.live.safety import Safety
 from studio.live.source_reader import OpenedSource, ReplacedSource, SourceReader, open_for
@@ -52,6 +53,7 @@ class Runtime:
         self.safety = Safety(armed=live)
         self.mode = "live" if live else "idle"
         self.idle_by_source = not live  # nobody asked for idle: arming is enough to go live
+        self.meeting = Meeting(self.reader, self.puppeteer, self.safety)
         self.recorder = Recorder(config.sessions)
         self.replay: Replay | None = None
         self.collector = Collector(config.sessions, self.recorder)
@@ -105,12 +107,18 @@ class Runtime:
             return replace(tick, counters=self.counters(), why=self.safety.stop_line or tick.why)
         self._stand_up_if_demo(now)
         shown, collecting = self._collect()
-        human = self.reader.read(now)
+        human = self.meeting.read(now, recording=self.recorder.recording is not None)
 
         def command(age: float) -> DriveCommand:
             if age == 0.0:
                 self.safety.see(now)
-            return self.safety.command(now, self.mode, source_ended=self.reader.ended)
+            return self.safety.command(
+                now,
+                self.mode,
+                source_ended=self.reader.ended,
+                paused=self.reader.paused,
+                halting=self.meeting.halting,
+            )
 
         try:
             tick = self.puppeteer.step(human, command, shown)

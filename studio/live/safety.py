@@ -141,16 +141,25 @@ class Safety:
 
     # The decision -------------------------------------------------------------------------------
 
-    def command(self, now: float, mode: str, *, source_ended: bool = False) -> DriveCommand:
+    def command(
+        self,
+        now: float,
+        mode: str,
+        *,
+        source_ended: bool = False,
+        paused: bool = False,
+        halting: bool = False,
+    ) -> DriveCommand:
         """What the puppeteer must do in this period, and why.
 
         now: s, on the one clock of all times here. mode: the loop's. source_ended: the source has
-        nothing more to give.
+        nothing more to give. paused: the person holds still. halting: they are elsewhere now, and
+        wait until the robot stands.
         """
         ramp = None
         if self._armed_at is not None and now - self._armed_at < ARM_RAMP:
             ramp = ARM_RAMP
-        directive, reason, why = self._decide(now, mode, source_ended)
+        directive, reason, why = self._decide(now, mode, source_ended, paused, halting)
         return DriveCommand(
             directive=directive,
             damping=self.stopped and self.needs_reset,
@@ -170,7 +179,9 @@ class Safety:
             then = f"it stands up by itself after {DEMO_LIES:.0f} s"
         return f"stopped: {self.why}; {then}"
 
-    def _decide(self, now: float, mode: str, source_ended: bool) -> Decision:
+    def _decide(
+        self, now: float, mode: str, source_ended: bool, paused: bool, halting: bool
+    ) -> Decision:
         if self.stopped:
             return Directive.STAND, self.reason, self.stop_line
         if mode == "idle":
@@ -189,6 +200,11 @@ class Safety:
         directive = stale_directive(age)
         if directive is not Directive.FOLLOW:
             return directive, "stale", stale_line(age)
+        if paused:
+            keep = Directive.STAND if self.overrun else Directive.KEEP
+            return keep, "paused", "paused: play to go on"
         if self.overrun:
             return Directive.STAND, "overrun", "overrun: this computer cannot keep 30 Hz"
+        if halting:
+            return Directive.KEEP, "paused", "it goes on elsewhere: the robot stands first"
         return Directive.FOLLOW, "", ""

@@ -2,16 +2,23 @@
 along the loop's clock."""
 
 import logging
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.human.calibration import Calibration, calibrate
 from studio.human.pose import HumanPose
+from studio.live.timeline import TOLERANCE, Timeline
+from studio.robot.a1 import CONTROL_DT
 from studio.sources import Source, SourceEnded, open_source
 
 log = logging.getLogger(__name__)
+BEFORE = 36
+"""Control periods, 1.2 s: by then it is known whether somebody walks, through space, too."""
+AWAY = 1.0
+"""s without a reading after which a file has been waiting."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,21 +47,51 @@ def open_follower(config: PuppeteerConfig, source: Source) -> OpenedSource | Non
 
 
 class SourceReader:
-    """Remembers when the source began. Only the loop's thread calls it.
+    """Remembers when the source began, and where in it we are. Only the loop's thread calls it.
 
-    ended: nothing more will come.
+    timeline: of a source that is seekable, else None.
     """
 
     def __init__(self, source: Source) -> None:
-        self.source = source
-        self.ended = False
-        self._from: float | None = None  # the loop's time at the source's start
         self._refused = 0  # by sources that were since closed
+        self._set(source, None)
 
     def use(self, source: Source, now: float, played: float = 0.0) -> None:
         """Another source, which began `played` s ago."""
-        self.source, self._from = source, now - played
-        self.ended = False
+        self._set(source, now - played)
+
+    def _set(self, source: Source, since: float | None) -> None:
+        self.source, self._from = source, since  # the loop's time at the source's start
+        self._ended, self._stamp = False, -TOLERANCE  # s of the last pose given
+        self.timeline: Timeline | None = None
+        if source.seekable:
+            assert source.duration is not None
+            self.timeline = Timeline(source.duration)
+
+    @property
+    def ended(self) -> bool:
+        """Nothing more will come, unless the timeline is moved."""
+        return self._ended or (self.timeline is not None and self.timeline.ended)
+
+    @property
+    def paused(self) -> bool:
+        """The person holds still because the timeline does."""
+        return self.timeline is not None and not self.timeline.runs and not self.ended
+
+    def jumped(self) -> bool:
+        """Whether the person has to be met anew (`Timeline.jumped`)."""
+        return self.timeline is not None and self.timeline.jumped()
+
+    def before(self) -> Iterator[HumanPose]:
+        """What the person did just before, period by period, as far as the timeline tells."""
+        line = self.timeline
+        if line is None:
+            return
+        for k in range(BEFORE, 0, -1):
+            place = line.place - k * line.speed * CONTROL_DT
+            pose = self.source.at(place) if place >= 0.0 else None
+            if pose is not None:
+                yield replace(pose, t=line.passed - k * CONTROL_DT)
 
     def played(self, now: float) -> float:
         """s since the source began."""
@@ -90,20 +127,46 @@ class SourceReader:
         """Frames refused by this source and those before it."""
         return self.source.rejected + self._refused
 
-    def read(self, now: float) -> HumanPose | None:
-        """What is new by `now`, if anything. A source that fails has ended, never raised."""
+    def read(
+        self, now: float, *, held: bool = False, waits: bool = False, loops: bool = True
+    ) -> HumanPose | None:
+        """What is new by `now`, if anything. A source that fails has ended, never raised.
+
+        held, waits, loops: what has a timeline is held by a stop, waits for the robot, may begin
+        anew by itself.
+        """
         if self._from is None:
             self._from = now
+        if self.timeline is not None:
+            away = self.played(now) - self.timeline.passed
+            if away > AWAY:  # nobody read it meanwhile, as while a take is replayed: it waited
+                self.slip(away)
+            self.timeline.advance(self.played(now), held=held, waits=waits, loops=loops)
         if self.ended:
             return None
         try:
-            return self.source.read(now - self._from)
+            return self._pose(now - self._from)
         except SourceEnded:
-            self.ended = True
+            self._ended = self.timeline is None
+            if self.timeline is not None:
+                self.timeline.end()
         except Exception:
             log.exception("the source failed; the robot stands")
-            self.ended = True
+            self._ended = True
         return None
+
+    def _pose(self, t: float) -> HumanPose | None:
+        if self.timeline is None:
+            return self.source.read(t)
+        if not self.timeline.moved:
+            pose = self.source.read(t)
+            self._stamp = self._stamp if pose is None else pose.t
+            return pose
+        # Its own time says nothing any more: the person is as now, and quicker or slower.
+        pose = self.source.at(self.timeline.place)
+        # Stamps run forward, though the last was a little early or this period follows a late one.
+        self._stamp = max(t, self._stamp + TOLERANCE)
+        return None if pose is None else replace(pose, t=self._stamp)
 
 
 class ReplacedSource:

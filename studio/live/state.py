@@ -15,12 +15,14 @@ import numpy as np
 
 from studio.control.drive_command import Reason
 from studio.live.command import OneOf
+from studio.live.commands import transport
 from studio.live.state_parts import (
     Calibration,
     Collect,
     Controller,
     Following,
     MapperInUse,
+    Played,
     Recording,
     Replay,
     SourceReport,
@@ -155,6 +157,7 @@ KEYS: dict[str, Key] = {
     "recording": Key(Recording | None, Seen.recording),
     "recording_error": Key(str | None, lambda seen: seen.runtime.recording_error),
     "replay": Key(Replay | None, Seen.replay),
+    "transport": Key(Played | None, lambda seen: transport.as_dict(seen.runtime)),
     "collect": Key(Collect, lambda seen: seen.runtime.collector.as_dict()),
     "mapper": Key(MapperInUse, lambda seen: seen.runtime.mappers.as_dict()),
 }

@@ -42,6 +42,17 @@ class Replay(TypedDict):
     aligned: bool | None
 
 
+class Played(TypedDict):
+    """What has a timeline, and where in it we are. playing: it goes on now."""
+
+    position_s: float
+    length_s: float
+    playing: bool
+    loop: bool
+    speed: float
+    ended: bool
+
+
 class PlanRow(TypedDict):
     """A run of the same motion in a plan."""
 

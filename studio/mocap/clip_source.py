@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from studio.human.pose import HumanClip, HumanPose
+from studio.mocap.between import pose_at
 from studio.mocap.source import Source, SourceEnded, thinned
 from studio.mocap.source_report import OWN, SourceReport
 from studio.robot.a1 import CONTROL_DT
@@ -18,6 +19,7 @@ class ClipSource(Source):
     """Plays a HumanClip from its first frame, which is time 0. report: what reading it found."""
 
     starts_live = True
+    seekable = True
 
     def __init__(
         self, clip: HumanClip, name: str | None = None, report: SourceReport = OWN
@@ -38,6 +40,10 @@ class ClipSource(Source):
             self._given = newest
             return replace(self.clip[newest], t=float(self._t[newest]))
         return None
+
+    def at(self, t: float) -> HumanPose | None:
+        """The pose at `t` s into the clip, between frames where need be."""
+        return pose_at(t, self._t, self.clip.__getitem__)
 
     def calibration_poses(self) -> list[HumanPose]:
         """The whole clip, thinned to a few hundred poses."""

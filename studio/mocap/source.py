@@ -30,6 +30,7 @@ class Source(Protocol):
     name: the spec it was opened with, as in docs/contract.md. starts_live: armed and live at once
     (files, the operator), or idle until armed (webcam, stream, vmc). duration: s, None if endless.
     tours: nobody drives, it shows what can be done. take: the recorded take that it plays, if any.
+    seekable: it has a duration and knows the pose at any time of it (`at`).
     """
 
     name: str
@@ -37,6 +38,7 @@ class Source(Protocol):
     duration: float | None
     tours: bool = False
     take: str | None = None
+    seekable: bool = False
 
     def read(self, t: float) -> HumanPose | None:
         """The newest pose with time <= t (s since the source's start) not given before.
@@ -85,6 +87,10 @@ class Source(Protocol):
     def new_sender(self) -> None:
         """Another client starts to send frames: its skeleton and clock are its own."""
         return
+
+    def at(self, t: float) -> HumanPose | None:
+        """The pose at `t` s, whatever was read before; None where nobody was seen."""
+        raise NotImplementedError(f"{self.name} is not seekable")
 
     def set_intent(self, intent: Intent) -> None:
         """From now on the person means this, if somebody else says what they mean."""

@@ -9,6 +9,7 @@ from studio.errors import StudioError
 from studio.human.pose import HumanPose
 from studio.human.posture import SEEN
 from studio.human.sensor_skeletons import SKELETONS
+from studio.mocap.between import pose_at
 from studio.mocap.source import Source, SourceEnded, thinned
 from studio.mocap.source_report import SourceReport, report_on
 from studio.robot import a1
@@ -20,6 +21,7 @@ class TakeSource(Source):
     """Replays a take's human poses (within its trim), each when it was first used."""
 
     starts_live = True
+    seekable = True
 
     def __init__(self, name: str, sessions: Path) -> None:
         take = SessionLibrary(sessions).read(name)
@@ -57,6 +59,10 @@ class TakeSource(Source):
             newest = self._poses[self._next]
             self._next += 1
         return newest
+
+    def at(self, t: float) -> HumanPose | None:
+        """The pose at `t` s into the take, between those used where need be."""
+        return pose_at(t, np.array(self._due), self._poses.__getitem__)
 
     def calibration_poses(self) -> list[HumanPose]:
         """The take, thinned."""

@@ -16,13 +16,13 @@ import { ControlLine, ticks } from "./net.js";
 import { startPad } from "./pad.js";
 import { Palette } from "./palette.js";
 import { PlotDock } from "./plots.js";
-import { ReplayBar } from "./replay.js";
 import { Review } from "./review.js";
 import { Shortcuts } from "./shortcuts.js";
 import { SourcePanel } from "./source.js";
 import { drawLink, drawStatus } from "./status.js";
 import { Studio } from "./studio.js";
 import { TakesPanel } from "./takes.js";
+import { TransportBar } from "./transport.js";
 import { drawUnderWay } from "./underway.js";
 import { View } from "./view.js";
 import { drawMeaning, drawStyle, startVocabulary } from "./vocabulary.js";
@@ -89,7 +89,7 @@ const source = new SourcePanel(studio);
 const controls = new Controls(studio);
 const review = new Review(studio);
 const takes = new TakesPanel(studio, review.open);
-const replay = new ReplayBar(studio);
+const transport = new TransportBar(studio, () => review.on);
 const importer = new Importer(studio, review.open);
 const collect = new CollectPanels(studio, review, importer);
 const drops = new Drops(source, importer);
@@ -116,6 +116,7 @@ const view = new View({
 });
 const palette = new Palette(() => [
   ...pageEntries(),
+  ...transport.entries,
   { words: "Emergency stop", key: "Esc", run: actions.stop },
   { words: "Reset: stand up", key: "R", run: actions.R },
   { words: "Arm: follow again", key: "Enter", run: actions.Enter },
@@ -125,7 +126,7 @@ const palette = new Palette(() => [
 ]);
 keyboard.also({
   ...collect.coach.keys,
-  ...review.keys,
+  ...oneOf(transport.keys, review.keys),
   1: () => view.look("front"),
   2: () => view.look("side"),
   3: () => view.look("behind"),
@@ -142,6 +143,17 @@ for (const button of ["#control", "#watching-take"])
   $(button).addEventListener("click", () => attempt(takeControl));
 const light = matchMedia("(prefers-color-scheme: light)").matches;
 setTheme(localStorage.getItem("theme") ?? (light ? "light" : "dark"));
+
+/**
+ * Keys that play what is played, or what is on the bench: at most one of the two does something.
+ *
+ * @param {Record<string, () => unknown>} first @param {Record<string, () => unknown>} second
+ */
+function oneOf(first, second) {
+  const both = Object.keys(first).filter((key) => key in second);
+  const joined = both.map((key) => [key, () => (review.on ? second : first)[key]()]);
+  return { ...first, ...second, ...Object.fromEntries(joined) };
+}
 
 /** @param {string} theme */
 function setTheme(theme) {
@@ -190,7 +202,7 @@ function drawState(state) {
   controls.draw(state);
   source.draw(state);
   takes.draw(state);
-  replay.draw(state);
+  transport.draw(state);
   review.draw(state);
   collect.draw(state);
   guide.draw(state);

@@ -16,7 +16,8 @@ const ROWS = [
   ["?", "this help"],
   ["G V M", "collecting: start, end the preview, abort"],
   ["K B N", "collecting: keep, redo, next"],
-  ["P , . L", "reviewing: play, a frame back or on, loop"],
+  ["P , . L", "a clip, a take, the review: play, a frame back or on, loop"],
+  ["0", "a clip, a take: again, from the start"],
   ["I O Z Y", "reviewing: trim here, undo, redo"],
   ...DRIVE.map(([key, what]) => [key, `keyboard driving: ${what}`]),
 ];

@@ -475,6 +475,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/transport": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Transport
+         * @description Play (from the start, once it has ended), pause, seek, step by frames of 1/30 s, loop, set a
+         *     speed or play again. Refused where the source has no timeline; while a take is recorded, all
+         *     that would tear it (only play and loop are left); play, while the robot is stopped.
+         */
+        post: operations["transport_api_transport_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/control": {
         parameters: {
             query?: never;
@@ -1577,6 +1599,7 @@ export interface components {
             /** Recording Error */
             recording_error: string | null;
             replay: components["schemas"]["Replay"] | null;
+            transport: components["schemas"]["Played"] | null;
             collect: components["schemas"]["Collect"];
             mapper: components["schemas"]["MapperInUse"];
             control: components["schemas"]["Control"];
@@ -1657,6 +1680,24 @@ export interface components {
             kept: number;
             /** Skipped */
             skipped: number;
+        };
+        /**
+         * Played
+         * @description What has a timeline, and where in it we are. playing: it goes on now.
+         */
+        Played: {
+            /** Position S */
+            position_s: number;
+            /** Length S */
+            length_s: number;
+            /** Playing */
+            playing: boolean;
+            /** Loop */
+            loop: boolean;
+            /** Speed */
+            speed: number;
+            /** Ended */
+            ended: boolean;
         };
         /**
          * Pose
@@ -2134,6 +2175,7 @@ export interface components {
             /** Recording Error */
             recording_error: string | null;
             replay: components["schemas"]["Replay"] | null;
+            transport: components["schemas"]["Played"] | null;
             collect: components["schemas"]["Collect"];
             mapper: components["schemas"]["MapperInUse"];
             control: components["schemas"]["Control"];
@@ -2446,6 +2488,27 @@ export interface components {
             why: string;
         };
         /**
+         * Transport
+         * @description Play (from the start, once it has ended), pause, seek, step by frames of 1/30 s, loop, set a
+         *     speed or play again. Refused where the source has no timeline; while a take is recorded, all
+         *     that would tear it (only play and loop are left); play, while the robot is stopped.
+         */
+        Transport: {
+            /**
+             * Action
+             * @enum {string}
+             */
+            action: "play" | "pause" | "again" | "seek" | "step" | "speed" | "loop";
+            /** Position S */
+            position_s?: number | null;
+            /** Frames */
+            frames?: number | null;
+            /** On */
+            on?: boolean | null;
+            /** Speed */
+            speed?: number | null;
+        };
+        /**
          * Human
          * @description A human frame: positions (19, 3) m and confidence (19,) of the skeleton `studio`.
          */
@@ -2582,6 +2645,7 @@ export interface components {
             /** Recording Error */
             recording_error: string | null;
             replay: components["schemas"]["Replay"] | null;
+            transport: components["schemas"]["Played"] | null;
             collect: components["schemas"]["Collect"];
             mapper: components["schemas"]["MapperInUse"];
             control: components["schemas"]["Control"];
@@ -3452,6 +3516,39 @@ export interface operations {
             };
             /** @description it does not fit, or cannot be used: see `why` */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    transport_api_transport_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Transport"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["State"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };

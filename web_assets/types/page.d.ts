@@ -22,6 +22,8 @@ export type StateScores = Schemas["StateScores"];
 export type Imported = Schemas["Imported"];
 export type Edits = Schemas["EditBody"];
 export type Seek = Schemas["Seek"];
+export type Move = Schemas["Transport"];
+export type Played = Schemas["Played"];
 export type Action = Schemas["CollectAction"]["action"];
 export type Gain = Schemas["SetGain"]["name"];
 

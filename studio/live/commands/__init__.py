@@ -19,6 +19,7 @@ from studio.live.commands.drive import (
 )
 from studio.live.commands.safety import Arm, Disarm, ReleaseControl, Reset, Stop, TakeControl
 from studio.live.commands.takes import Seek, ShowTake, StartTake, StopTake
+from studio.live.commands.transport import Transport
 
 COMMANDS: tuple[type[Command], ...] = tuple(Command.__subclasses__())
 """All of them, in the order of their declaration."""
@@ -54,4 +55,5 @@ __all__ = [
     "Stop",
     "StopTake",
     "TakeControl",
+    "Transport",
 ]
