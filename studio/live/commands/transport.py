@@ -2,11 +2,11 @@
 
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from pydantic import Field, StrictBool, model_validator
+from pydantic import Field, StrictBool, StrictInt, model_validator
 from pydantic_core import PydanticCustomError
 
 from studio.errors import StudioError
-from studio.live.command import Command, Made, OneOf
+from studio.live.command import Command, Made, Number, OneOf
 from studio.live.replay import Replay
 from studio.live.state_parts import Played
 from studio.live.timeline import SPEEDS, Timeline
@@ -29,10 +29,10 @@ class Transport(Command):
 
     path: ClassVar[str] = "transport"
     action: Annotated[str, OneOf("action", _SAYS)]
-    position_s: float | None = Field(default=None, allow_inf_nan=False)
-    frames: int | None = Field(default=None, ge=-1000, le=1000)
+    position_s: Number | None = None
+    frames: StrictInt | None = Field(default=None, ge=-1000, le=1000)
     on: StrictBool | None = None
-    speed: float | None = Field(default=None, ge=SPEEDS[0], le=SPEEDS[1])
+    speed: Number | None = Field(default=None, ge=SPEEDS[0], le=SPEEDS[1])
 
     @model_validator(mode="after")
     def _says_what_it_needs(self) -> "Transport":
