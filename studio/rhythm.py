@@ -36,7 +36,7 @@ class PeriodicExtrapolator:
         """Nothing was seen yet."""
         self._past: deque[Array] = deque(maxlen=MEMORY)
         self._ago: int | None = None
-        self._looked = False
+        self._looked, self._alike = False, ALIKE
 
     def see(self, points: Array) -> None:
         """What was really seen in this control period."""
@@ -51,6 +51,11 @@ class PeriodicExtrapolator:
             if self._ago is not None:
                 self._gap = self._past[-1] - self._past[-1 - self._ago]
         return self._ago
+
+    def like(self, alike: float) -> int | None:
+        """`ago`, where they may differ by this share of the motion's own variance."""
+        self._looked, self._alike = False, alike
+        return self.ago
 
     def guess(self) -> Array | None:
         """(J, 3) m for a period in which nothing was seen; None where nothing repeats itself."""
@@ -80,4 +85,4 @@ class PeriodicExtrapolator:
             for ago in range(PERIODS[0], last + 1)
         ]
         best = int(np.argmin(off))
-        return PERIODS[0] + best if off[best] < ALIKE * spread else None
+        return PERIODS[0] + best if off[best] < self._alike * spread else None

@@ -168,9 +168,9 @@ class StateMachine:
                 self._ease_t, self._ease = 0.0, self._ramp
                 self._held = self._last
             return
-        moving = self._following or self._followed
-        self._following = False
-        self._stopping = self._strides.halt(self._last, self.reference) if moving else None
+        moving, self._following = self._following or self._followed, False
+        halt, patient = self._strides.halt, directive is Directive.KEEP
+        self._stopping = halt(self._last, self.reference, patient) if moving else None
         if self._stopping is not None:
             return
         if self.state == "walk" and moving and in_the_air(self._last).any():

@@ -12,7 +12,7 @@ from studio import geometry
 from studio.control.footing import feet_w, solve, turn_z
 from studio.geometry import turn_xy
 from studio.geometry.time_scaling import minimum_jerk
-from studio.rhythm import PeriodicExtrapolator
+from studio.rhythm import ALIKE, PeriodicExtrapolator
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose
 
@@ -26,6 +26,9 @@ BRAKING = 1.3
 """m/s^2, at which the base slows down on average."""
 SLOW = 0.25
 """m/s: from a slower walk the feet are put down at once."""
+LOOSE = 1.0
+"""Share of the steps' own variance by which they may differ where nobody is in a hurry: put down at
+once, some fall from 1 m/s."""
 LANDING = 0.5
 """Share of its way to where it should be that a swinging foot makes in a control period."""
 
@@ -85,10 +88,13 @@ class StrideMemory:
         else:
             self._feet.see(_under_base(pose))
 
-    def halt(self, start: RobotPose, reference: ReferencePose) -> "Halt | None":
+    def halt(
+        self, start: RobotPose, reference: ReferencePose, patient: bool = False
+    ) -> "Halt | None":
         """A way to rest from a pose, whose velocities `reference` has; None for a robot too slow to
-        need one, and where its steps have no rhythm yet."""
-        if np.hypot(*reference.base_lin_vel_w[:2]) < SLOW or self._feet.ago is None:
+        need one, and where its steps have no rhythm yet. patient: any likeness will do."""
+        alike = LOOSE if patient else ALIKE
+        if np.hypot(*reference.base_lin_vel_w[:2]) < SLOW or self._feet.like(alike) is None:
             return None
         feet, self._feet = self._feet, PeriodicExtrapolator()
         return Halt(start, reference, feet)
