@@ -67,7 +67,8 @@ export class TransportBar {
   /** Of what has ended, the source. */
   #over = "";
   #sent = 0;
-  #late = 0;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  #late;
   /** Whether the slider is held. */
   #held = false;
 
