@@ -78,6 +78,17 @@ def test_axe_finds_nothing_in_the_panels_for_driving(live, served):
     find_nothing(live)
 
 
+def test_axe_finds_nothing_in_the_transport(live, served):
+    click(live, "#sample")
+    until(live, "() => !document.querySelector('#transport').hidden")
+    served.client.post("/api/transport", json={"action": "pause"})
+    served.client.post("/api/transport", json={"action": "seek", "position_s": 1.0})
+    find_nothing(live)
+    served.client.post("/api/transport", json={"action": "seek", "position_s": 1000.0})
+    until(live, "() => !document.querySelector('#transport-end').hidden")
+    find_nothing(live)
+
+
 def test_axe_finds_nothing_in_the_dialogs_and_after_a_stop(live, served):
     click(live, "#help")
     until(live, "() => document.querySelector('#shortcuts').open")

@@ -21,15 +21,28 @@ def served(tmp_path_factory):
 
 @pytest.fixture
 def sample(served, browsing, request):
-    """A page as wide as asked on which the sample plays."""
+    """A page as wide as asked on which the sample plays: slowly, for a page may be slower still."""
     served.client.post("/api/source", json={"source": "operator:quiet"})
     width = getattr(request, "param", 1100)
     with browsing.page(served, width, 844, reduced_motion="reduce") as page:
         drawn(page)
+        # The page of the test before may not have left yet.
+        if until(page, "() => document.body.dataset.role") == "watch":
+            click(page, "#watching-take")
+        until(page, "() => document.body.dataset.role === 'drive'")
         assert page.evaluate("() => document.querySelector('#transport').hidden")
         click(page, "#sample")
-        until(page, f"() => {SHOWN.format('#transport')} && {PLAYED}?.playing")
+        until(page, f"() => {SHOWN.format('#transport')}")
+        slowed(served)
+        until(page, f"() => {PLAYED}.playing")
         yield page
+
+
+def slowed(served) -> None:
+    """The clip is at its start and takes minutes."""
+    for body in ({"action": "speed", "speed": 0.1}, {"action": "again"}):
+        answer = served.client.post("/api/transport", json=body)
+        assert answer.status_code == 200, answer.text
 
 
 def reached(page, place: float) -> None:
@@ -90,11 +103,11 @@ def test_the_next_clip_is_the_next_of_those_that_were_opened(sample, served):
     page = sample
     first = page.evaluate("() => a1studio.state.source")
     click(page, "#sample")
-    until(page, f"() => a1studio.state.source !== '{first}' && {PLAYED}?.playing")
+    until(page, f"() => a1studio.state.source !== '{first}' && {SHOWN.format('#transport')}")
     page.focus("#transport-at")
     page.keyboard.press("End")
     click(page, "#transport-end-next")
-    until(page, f"() => a1studio.state.source === '{first}' && {PLAYED}.playing")
+    until(page, f"() => a1studio.state.source === '{first}' && {SHOWN.format('#transport')}")
 
 
 @pytest.mark.parametrize("sample", [390], indirect=True)
@@ -111,7 +124,8 @@ def test_the_bar_fits_a_telephone(sample):
     assert all(box["left"] >= 0 and box["right"] <= 390 for box in boxes), boxes
     widths = {box["id"]: box["width"] for box in boxes}
     assert widths["transport-at"] > 200
-    assert len({box["top"] for box in boxes if box["id"] != "transport-at"}) == 1  # a row
+    tops = [box["top"] for box in boxes if box["id"] != "transport-at"]
+    assert max(tops) - min(tops) < 10  # a row
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
 
 
