@@ -15,6 +15,7 @@ from studio.reference.tasks_walk import MAX_TURN
 from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES, Mapped
 from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
+from studio.retarget.support_margin import SupportMargin
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose
 
@@ -37,7 +38,7 @@ class FootholdPlanner:
     def __init__(self, settings: RetargetSettings | None = None) -> None:
         self.settings = settings or RetargetSettings()
         self.stride_gain = 1.0  # times the strides that a network says
-        self._lock = ContactLock()
+        self._lock, self._support = ContactLock(), SupportMargin()
         self.start("stand")
 
     def start(self, state: StateName) -> None:
@@ -63,6 +64,7 @@ class FootholdPlanner:
             joint_pos=pose.joint_pos,
             foot_contact=pose.foot_contact,
         )
+        self._support.reset()
         self._lock.reset(pose.base_pos)
         self._lock.step(pose.joint_pos, pose.base_quat, pose.foot_contact, a1.CONTROL_DT)
 
@@ -91,6 +93,8 @@ class FootholdPlanner:
         lock.config = spec.consistency if felt else AS_PLANNED
         quick = quickness(self.state, self.settings.joint_speed)
         quat, turned = limit_turn(wanted, last.base_quat, quick * spec.trunk_speed, dt)
+        if self.state == "stand":
+            joint_pos = self._support.step(joint_pos, quat, contact, dt)
         asked = lock.step(joint_pos, quat, contact, dt, drift, quick * spec.root_speed)
         joint_pos, clipped = limit_speed(asked, last.joint_pos, quick * spec.speed_limit, dt)
         if clipped:
