@@ -116,7 +116,8 @@ def test_the_recorded_human_motion_alone_gives_the_same_run_again(tmp_path: Path
 def test_nobody_who_stands_still_comes_anywhere() -> None:
     job = co.Job(scene="push", controller="stand_still", style="march", seed=0)
     run = co.attempt(job)
-    assert (run.done, run.failed) == ((), "nothing happened")
+    assert run.done == ()
+    assert run.failed in ("nothing happened", "out of time")
 
 
 def reaches(pose: RobotPose, joints: np.ndarray, x: float) -> bool:
