@@ -48,6 +48,7 @@ Reason = Literal[
     "unknown",
     "locked",
     "paused",
+    "hurried",
 ]
 """Why the robot does not do what the person does, for programs; "": it does. Words are added at the
 end; none changes its meaning."""

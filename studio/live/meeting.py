@@ -1,5 +1,6 @@
 """The source read for the robot; who was taken elsewhere in a timeline is met anew, standing."""
 
+from studio.control.drive_command import Reason
 from studio.human.pose import HumanPose
 from studio.live.safety import Safety
 from studio.live.source_reader import SourceReader
@@ -14,6 +15,20 @@ class Meeting:
     def __init__(self, reader: SourceReader, puppeteer: Puppeteer, safety: Safety) -> None:
         self._reader, self._puppeteer, self._safety = reader, puppeteer, safety
         self.halting = False
+
+    @property
+    def keep(self) -> tuple[Reason, str]:
+        """Why the robot walks nowhere just now, or two ""."""
+        line = self._reader.timeline
+        if self._reader.paused:
+            return "paused", "paused: play to go on"
+        if self.halting:
+            return "paused", "it goes on elsewhere: the robot stands first"
+        if line is not None and line.runs and line.speed > 1.0:
+            # At twice the speed 4 of 5 walkers fell within a minute.
+            why = f"hurried: played at {line.speed:g} times its speed, the robot does not walk"
+            return "hurried", why
+        return "", ""
 
     def read(self, now: float, *, recording: bool) -> HumanPose | None:
         """What is new of the person at `now`, s on the loop's clock.

@@ -113,11 +113,7 @@ class Runtime:
             if age == 0.0:
                 self.safety.see(now)
             return self.safety.command(
-                now,
-                self.mode,
-                source_ended=self.reader.ended,
-                paused=self.reader.paused,
-                halting=self.meeting.halting,
+                now, self.mode, source_ended=self.reader.ended, keep=self.meeting.keep
             )
 
         try:

@@ -147,19 +147,17 @@ class Safety:
         mode: str,
         *,
         source_ended: bool = False,
-        paused: bool = False,
-        halting: bool = False,
+        keep: tuple[Reason, str] = ("", ""),
     ) -> DriveCommand:
         """What the puppeteer must do in this period, and why.
 
         now: s, on the one clock of all times here. mode: the loop's. source_ended: the source has
-        nothing more to give. paused: the person holds still. halting: they are elsewhere now, and
-        wait until the robot stands.
+        nothing more to give. keep: why the robot goes nowhere though the person is seen, or two "".
         """
         ramp = None
         if self._armed_at is not None and now - self._armed_at < ARM_RAMP:
             ramp = ARM_RAMP
-        directive, reason, why = self._decide(now, mode, source_ended, paused, halting)
+        directive, reason, why = self._decide(now, mode, source_ended, keep)
         return DriveCommand(
             directive=directive,
             damping=self.stopped and self.needs_reset,
@@ -180,7 +178,7 @@ class Safety:
         return f"stopped: {self.why}; {then}"
 
     def _decide(
-        self, now: float, mode: str, source_ended: bool, paused: bool, halting: bool
+        self, now: float, mode: str, source_ended: bool, keep: tuple[Reason, str]
     ) -> Decision:
         if self.stopped:
             return Directive.STAND, self.reason, self.stop_line
@@ -200,11 +198,8 @@ class Safety:
         directive = stale_directive(age)
         if directive is not Directive.FOLLOW:
             return directive, "stale", stale_line(age)
-        if paused:
-            keep = Directive.STAND if self.overrun else Directive.KEEP
-            return keep, "paused", "paused: play to go on"
+        if keep[0]:
+            return Directive.STAND if self.overrun else Directive.KEEP, *keep
         if self.overrun:
             return Directive.STAND, "overrun", "overrun: this computer cannot keep 30 Hz"
-        if halting:
-            return Directive.KEEP, "paused", "it goes on elsewhere: the robot stands first"
         return Directive.FOLLOW, "", ""

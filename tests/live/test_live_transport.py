@@ -269,6 +269,19 @@ def test_half_the_speed_is_half_the_speed_of_every_joint(playing):
     assert np.allclose(np.diff(stamps), DT)
 
 
+def test_nobody_is_walked_with_who_hurries(playing):
+    loop = playing(seconds=20.0)
+    run(loop, 4.0)
+    transport(loop, "speed", speed=2.0)
+    ticks = run(loop, 4.0)
+    assert ticks[-1].state == "stand"
+    assert not any(tick.fallen for tick in ticks)
+    assert loop.state_dict()["reason"] == "hurried"
+    assert "played at 2 times its speed, the robot does not walk" in ticks[-1].why
+    transport(loop, "speed", speed=1.0)
+    assert any(tick.state == "walk" for tick in run(loop, 4.0))
+
+
 def test_a_stop_pauses_and_arming_goes_on(playing):
     loop = playing()
     run(loop, 2.0)

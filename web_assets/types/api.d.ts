@@ -1534,7 +1534,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused";
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried";
             /** T */
             t: number;
             /** State */
@@ -2110,7 +2110,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused";
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried";
             /** T */
             t: number;
             /** State */
@@ -2580,7 +2580,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused";
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried";
             /** T */
             t: number;
             /** State */
