@@ -1,6 +1,5 @@
 """`a1-studio takes …`: one function per command, sessions folder in, plain values out."""
 
-from collections.abc import Iterator
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -11,14 +10,12 @@ from studio.takes.align import synchrony
 from studio.takes.dataset import datasets
 from studio.takes.edit import edited, review
 from studio.takes.export.adding import add_all
-from studio.takes.export.episodes import episodes
 from studio.takes.export.formats import export, export_all
 from studio.takes.export.lerobot_read import import_lerobot, is_lerobot
+from studio.takes.export.many import exportable, of_session
 from studio.takes.record.meta import TAPE
 from studio.takes.record.repair import repair
 from studio.takes.session_library import SessionLibrary
-from studio.takes.sessions import SessionBook
-from studio.takes.take import Take
 
 
 def list_takes(sessions: Path) -> dict[str, Any]:
@@ -158,7 +155,7 @@ def export_take(
     session: str | None = None,
     all: bool = False,
 ) -> dict[str, Any]:
-    """Write a take in another format: npz, csv, jsonl, bvh, mcap, pairs, lerobot, hdf5 or html.
+    """Write a take as npz, csv, jsonl, bvh, mcap, pairs, lerobot, hdf5, html, or takes (as it is).
 
     `export NAME --format F`, or of many takes `--session NAME` or `--all` in NAME's place.
     Into the working folder by default. Into the same file (lerobot, hdf5) go: more: further takes;
@@ -174,38 +171,11 @@ def export_take(
         takes = [library.read(n) for n in (name, *more)]
         return {"name": name, "format": format, "file": str(export(takes, format, path))}
     title = session or Path(sessions).resolve().name
-    found = _of_session(library, session) if session else [t.name for t in library.list()]
+    found = of_session(library, session) if session else [t.name for t in library.list()]
     left_out: dict[str, str] = {}
-    takes = _exportable(library, found, left_out)
+    takes = exportable(library, found, format, left_out)
     file = export_all(found, takes, format, path, title)
     return {"name": title, "format": format, "file": str(file), "left_out": left_out}
-
-
-def _of_session(library: SessionLibrary, session: str) -> list[str]:
-    known = {info.name for info in library.list()}
-    found = [name for name in SessionBook(library.root).read(session).takes if name in known]
-    if not found:
-        raise StudioError(f"no take of session {session} is left")
-    return found
-
-
-def _exportable(
-    library: SessionLibrary, names: list[str], left_out: dict[str, str]
-) -> Iterator[Take]:
-    """One after the other, so that memory holds one."""
-    for name in names:
-        try:
-            take = library.read(name)
-            if take.edits.keep is False:
-                raise StudioError("it was rejected")
-            episodes(take)
-        except StudioError as error:
-            left_out[name] = str(error)
-        else:
-            yield take
-    if len(left_out) == len(names):
-        why = "; ".join(f"{name}: {why}" for name, why in list(left_out.items())[:5])
-        raise StudioError(f"there is nothing to export ({why or 'no take is there'})")
 
 
 def import_take(sessions: Path, folder: Path, name: str | None = None) -> dict[str, Any]:

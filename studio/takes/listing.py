@@ -52,20 +52,24 @@ class TakeInfo:
         return {name: getattr(self, name) for name in self.__dataclass_fields__}  # asdict copies
 
 
-def examine(folder: Path) -> TakeInfo:
-    """A take's line, its tape read only where nothing else says what is on it. Never raises."""
+def examine(folder: Path, name: str | None = None) -> TakeInfo:
+    """A take's line, its tape read only where nothing else says what is on it. Never raises.
+
+    name: the take's, where its folder is called otherwise.
+    """
+    name = folder.name if name is None else name
     try:
-        take_folder(folder.parent, folder.name)
-        return _examine(folder)
+        take_folder(folder.parent, name)
+        return _examine(folder, name)
     except StudioError as error:
-        return TakeInfo(name=folder.name, damaged=str(error), problems=(str(error),))
+        return TakeInfo(name=name, damaged=str(error), problems=(str(error),))
     except Exception as error:  # whatever is wrong with one take, the others are listed
-        log.exception("take %s cannot be looked at", folder.name)
-        why = f"take {folder.name} cannot be read: {error}"
-        return TakeInfo(name=folder.name, damaged=why, problems=(why,))
+        log.exception("take %s cannot be looked at", name)
+        why = f"take {name} cannot be read: {error}"
+        return TakeInfo(name=name, damaged=why, problems=(why,))
 
 
-def _examine(folder: Path) -> TakeInfo:
+def _examine(folder: Path, name: str) -> TakeInfo:
     edits = edit_log.read_edits(folder)
     recording = is_recording(folder)
     try:
@@ -78,13 +82,13 @@ def _examine(folder: Path) -> TakeInfo:
         # What is wrong with its tape is known once somebody has looked into it.
         problem = "" if recording else known_problem(folder) or ("" if meta["ticks"] else _EMPTY)
         return _info(
-            folder, meta, edits, complete="ticks" in meta and not problem, recording=recording,
+            name, meta, edits, complete="ticks" in meta and not problem, recording=recording,
             damaged=problem, problems=(problem,) if problem else (),
         )  # fmt: skip
     take = survey_take(folder)
     meta = meta | {"ticks": take.ticks, "seconds": take.seconds}
     return _info(
-        folder, meta, edits, complete=take.complete, recovered=not take.complete,
+        name, meta, edits, complete=take.complete, recovered=not take.complete,
         damaged="" if take.ticks else _EMPTY, problems=take.problems,
     )  # fmt: skip
 
@@ -104,7 +108,7 @@ def is_recording(folder: Path) -> bool:
 
 
 def _info(
-    folder: Path,
+    name: str,
     meta: dict[str, Any],
     edited: EditLog,
     *,
@@ -117,7 +121,7 @@ def _info(
     edits = edited.edits
     about = meta.get("about") or {}
     return TakeInfo(
-        name=folder.name,
+        name=name,
         label=meta.get("label", "") if edits.label is None else edits.label,
         started=meta.get("started", ""),
         source=str(about.get("source", "")),

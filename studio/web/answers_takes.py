@@ -8,6 +8,7 @@ from typing_extensions import TypedDict
 from studio.live.state_parts import Style, TaskName
 from studio.reference.intent import StateName
 from studio.takes.align.alignment import Alignment
+from studio.takes.bin import Binned
 from studio.takes.listing import TakeInfo
 
 
@@ -93,6 +94,50 @@ class Split(TypedDict):
     """What was one take."""
 
     takes: tuple[TakeInfo, TakeInfo]
+
+
+class Acted(TypedDict):
+    """done: names, in order. refused: {name: why}. binned: places in the bin of those deleted."""
+
+    done: list[str]
+    refused: dict[str, str]
+    binned: list[str]
+
+
+class Pictures(TypedDict):
+    """pictures: {name: SVG}. refused: {name: why there is none}."""
+
+    pictures: dict[str, str]
+    refused: dict[str, str]
+
+
+class Scores(TypedDict):
+    """scores: {name: [0, 1]}. refused: {name: why there is none}."""
+
+    scores: dict[str, float]
+    refused: dict[str, str]
+
+
+class Bin(TypedDict):
+    """bytes: what emptying it frees. takes: the last one deleted first."""
+
+    bytes: int
+    takes: list[Binned]
+
+
+class Export(TypedDict):
+    """A file being made of many takes. done of total: gone through. left_out: {name: why}.
+    file: its name, once it is done; bytes: its size."""
+
+    id: str
+    status: Literal["running", "done", "failed", "cancelled"]
+    format: str
+    done: int
+    total: int
+    left_out: dict[str, str]
+    file: str
+    bytes: int
+    why: str
 
 
 class Imported(TypedDict):

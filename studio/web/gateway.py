@@ -23,12 +23,14 @@ from studio.paths import package_folder
 from studio.web.access import AccessConfig, AccessMiddleware
 from studio.web.collect_api import collect_router
 from studio.web.commands_api import commands_router
+from studio.web.exports_api import exports_router
 from studio.web.feed import TickFeed
 from studio.web.files_api import files_router
 from studio.web.guarded_viser import GuardedViser
 from studio.web.health_api import health_router
 from studio.web.hub import Hub
 from studio.web.joint_map_api import joint_map_router
+from studio.web.library_api import library_router
 from studio.web.page_control import PageControl
 from studio.web.relay import view_router
 from studio.web.review_api import review_router
@@ -72,6 +74,8 @@ def create_api(hub: Hub) -> FastAPI:
     app.include_router(commands_router(hub))
     app.include_router(collect_router(hub))
     app.include_router(review_router(hub))
+    app.include_router(library_router(hub))
+    app.include_router(exports_router(hub))
     app.include_router(takes_router(hub))
     app.include_router(train_router(hub))
     app.include_router(files_router(hub))

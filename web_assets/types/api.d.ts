@@ -741,6 +741,154 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/takes/many": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Act
+         * @description Keep, reject, leave undecided or delete takes; each for itself, the refused with why.
+         */
+        post: operations["act_api_takes_many_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/takes/thumbnails": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Pictures
+         * @description A small picture of each take, as SVG.
+         */
+        post: operations["pictures_api_takes_thumbnails_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/takes/scores": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Scores
+         * @description Each take's score; those that have none are looked over and given one.
+         */
+        post: operations["scores_api_takes_scores_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/bin": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Thrown Away
+         * @description What was deleted, and the space that it takes.
+         */
+        get: operations["thrown_away_api_bin_get"];
+        put?: never;
+        /**
+         * Act In Bin
+         * @description Bring takes back from the bin, or delete them for good.
+         */
+        post: operations["act_in_bin_api_bin_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/exports": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Progress
+         * @description The last export; null before the first.
+         */
+        get: operations["progress_api_exports_get"];
+        put?: never;
+        /**
+         * Start
+         * @description Begin to make one file of many takes: a data set, or a zip of a file each.
+         */
+        post: operations["start_api_exports_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/exports/cancel": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Cancel
+         * @description End it; nothing is kept of it.
+         */
+        post: operations["cancel_api_exports_cancel_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/exports/{id}/file": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * File
+         * @description The file, once it is done; it stays until the next export begins.
+         */
+        get: operations["file_api_exports__id__file_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/takes/import": {
         parameters: {
             query?: never;
@@ -1028,6 +1176,20 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /**
+         * Acted
+         * @description done: names, in order. refused: {name: why}. binned: places in the bin of those deleted.
+         */
+        Acted: {
+            /** Done */
+            done: string[];
+            /** Refused */
+            refused: {
+                [key: string]: string;
+            };
+            /** Binned */
+            binned: string[];
+        };
+        /**
          * AddToPlan
          * @description More to collect, after what is planned.
          */
@@ -1171,6 +1333,43 @@ export interface components {
             edges: number[];
             /** Counts */
             counts: number[];
+        };
+        /**
+         * Bin
+         * @description bytes: what emptying it frees. takes: the last one deleted first.
+         */
+        Bin: {
+            /** Bytes */
+            bytes: number;
+            /** Takes */
+            takes: components["schemas"]["Binned"][];
+        };
+        /**
+         * BinBody
+         * @description Which places of the bin; delete: for good.
+         */
+        BinBody: {
+            /** Places */
+            places: string[];
+            /**
+             * Action
+             * @enum {string}
+             */
+            action: "restore" | "delete";
+        };
+        /**
+         * Binned
+         * @description A take in the bin. place: where in it. deleted: when, ISO 8601. bytes: what deleting it for
+         *     good frees. take: its line, as it was in the list.
+         */
+        Binned: {
+            /** Place */
+            place: string;
+            /** Deleted */
+            deleted: string;
+            /** Bytes */
+            bytes: number;
+            take: components["schemas"]["TakeInfo"];
         };
         /**
          * Calibration
@@ -1432,6 +1631,54 @@ export interface components {
             score?: number | null;
         };
         /**
+         * Export
+         * @description A file being made of many takes. done of total: gone through. left_out: {name: why}.
+         *     file: its name, once it is done; bytes: its size.
+         */
+        Export: {
+            /** Id */
+            id: string;
+            /**
+             * Status
+             * @enum {string}
+             */
+            status: "running" | "done" | "failed" | "cancelled";
+            /** Format */
+            format: string;
+            /** Done */
+            done: number;
+            /** Total */
+            total: number;
+            /** Left Out */
+            left_out: {
+                [key: string]: string;
+            };
+            /** File */
+            file: string;
+            /** Bytes */
+            bytes: number;
+            /** Why */
+            why: string;
+        };
+        /**
+         * ExportBody
+         * @description Either takes, or a session: all of it but what was rejected. format: as `takes export`.
+         */
+        ExportBody: {
+            /**
+             * Takes
+             * @default []
+             */
+            takes?: string[];
+            /** Session */
+            session?: string | null;
+            /**
+             * Format
+             * @default takes
+             */
+            format?: string;
+        };
+        /**
          * Following
          * @description Whether the robot walks through space beside the person: asked for, they were found to move
          *     so, and they do now.
@@ -1613,6 +1860,27 @@ export interface components {
             } | null;
         };
         /**
+         * LookBody
+         * @description Which takes to look at.
+         */
+        LookBody: {
+            /** Names */
+            names: string[];
+        };
+        /**
+         * ManyBody
+         * @description Which takes, and what becomes of them: a verdict, or the bin.
+         */
+        ManyBody: {
+            /** Names */
+            names: string[];
+            /**
+             * Action
+             * @enum {string}
+             */
+            action: "keep" | "reject" | "undecided" | "delete";
+        };
+        /**
          * MapperInUse
          * @description before: to which A/B returns.
          */
@@ -1634,6 +1902,20 @@ export interface components {
         NotesBody: {
             /** Notes */
             notes: string;
+        };
+        /**
+         * Pictures
+         * @description pictures: {name: SVG}. refused: {name: why there is none}.
+         */
+        Pictures: {
+            /** Pictures */
+            pictures: {
+                [key: string]: string;
+            };
+            /** Refused */
+            refused: {
+                [key: string]: string;
+            };
         };
         /**
          * PlanItem
@@ -1858,6 +2140,20 @@ export interface components {
         Score: {
             /** Joint Rmse Deg */
             joint_rmse_deg: number;
+        };
+        /**
+         * Scores
+         * @description scores: {name: [0, 1]}. refused: {name: why there is none}.
+         */
+        Scores: {
+            /** Scores */
+            scores: {
+                [key: string]: number;
+            };
+            /** Refused */
+            refused: {
+                [key: string]: string;
+            };
         };
         /**
          * Seek
@@ -3992,6 +4288,280 @@ export interface operations {
             };
             /** @description it does not fit, or cannot be used: see `why` */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    act_api_takes_many_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ManyBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Acted"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    pictures_api_takes_thumbnails_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["LookBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Pictures"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    scores_api_takes_scores_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["LookBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Scores"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    thrown_away_api_bin_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Bin"];
+                };
+            };
+        };
+    };
+    act_in_bin_api_bin_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["BinBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Acted"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    progress_api_exports_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Export"] | null;
+                };
+            };
+        };
+    };
+    start_api_exports_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ExportBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Export"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    cancel_api_exports_cancel_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Export"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    file_api_exports__id__file_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                id: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": unknown;
+                };
+            };
+            /** @description there is none of that name: see `why` */
+            404: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -1,7 +1,8 @@
 """Takes to files other programs read; one file per format, listed in FORMATS.
 
-Every export covers what the trim leaves and never changes the take. Formats for learning (pairs,
-lerobot, hdf5) and the replay leave cuts out too, and put the person in step with the robot.
+Every export but "takes" covers what the trim leaves, and none changes the take. Formats for
+learning (pairs, lerobot, hdf5) and the replay leave cuts out too, and put the person in step with
+the robot.
 """
 
 import shutil
@@ -11,6 +12,7 @@ from pathlib import Path
 
 from studio.errors import StudioError, unknown_name
 from studio.files import whole
+from studio.takes.export.as_it_is import write_takes
 from studio.takes.export.bvh import write_human_bvh
 from studio.takes.export.extent import human_poses, tick_range
 from studio.takes.export.hdf5 import write_hdf5
@@ -26,13 +28,15 @@ __all__ = ["FORMATS", "Format", "export", "export_file", "human_poses", "tick_ra
 @dataclass(frozen=True, kw_only=True)
 class Format:
     """suffix: of its file or folder. write: takes and a new path. several: more than one take fits.
-    folder: it is a folder of files. text: what it is, with its version, and what it is for."""
+    folder: it is a folder of files. learning: of episodes, of which a take may hold none. text:
+    what it is, with its version, and what it is for."""
 
     suffix: str
     write: Callable[[Iterable[Take], Path], None]
     text: str
     several: bool = False
     folder: bool = False
+    learning: bool = False
 
 
 def _single(suffix: str, write: Callable[[Take, Path], None], text: str) -> Format:
@@ -43,6 +47,13 @@ def _single(suffix: str, write: Callable[[Take, Path], None], text: str) -> Form
 
 
 FORMATS: dict[str, Format] = {
+    "takes": Format(
+        suffix=".takes",
+        write=write_takes,
+        text="the takes themselves with all their edits, to be imported again",
+        several=True,
+        folder=True,
+    ),
     "mcap": _single(".mcap", write_mcap, "MCAP 0: every stream, figures for viewers"),
     "jsonl": _single(".jsonl", write_frames, "the person, as frames:FILE reads"),
     "npz": _single(".npz", write_npz, "everything, as numpy arrays (NPZ 1.0)"),
@@ -55,12 +66,14 @@ FORMATS: dict[str, Format] = {
         text="LeRobotDataset v3.0, for learning",
         several=True,
         folder=True,
+        learning=True,
     ),
     "hdf5": Format(
         suffix=".hdf5",
         write=write_hdf5,
         text="robomimic 0.3's HDF5, for learning",
         several=True,
+        learning=True,
     ),
     "html": _single(".html", write_html, "a replay in one file, for any browser"),
 }
@@ -105,7 +118,11 @@ def export_all(
 
 def export_file(take: Take | Sequence[Take], format_name: str, folder: Path) -> Path:
     """The same as one file, for a download: a format that is a folder is packed into a zip."""
-    path = export(take, format_name, folder)
+    return packed(export(take, format_name, folder))
+
+
+def packed(path: Path) -> Path:
+    """A folder as a zip beside it; a file as it is. StudioError where it cannot be written."""
     if not path.is_dir():
         return path
     try:
