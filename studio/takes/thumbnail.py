@@ -164,4 +164,8 @@ def _lines(name: str, xy: Array, pairs: Sequence[tuple[int, int]]) -> str:
 
 
 def _outline(xy: Array) -> str:
+    """A closed path, always round the same way: what lies over another is then filled, too."""
+    x, y = xy.T
+    if np.dot(x, np.roll(y, -1)) < np.dot(y, np.roll(x, -1)):
+        xy = xy[::-1]
     return "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in xy.tolist()) + "Z"

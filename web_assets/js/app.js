@@ -4,7 +4,8 @@ import { Alarm, drawStale } from "./alarm.js";
 import { captionsOf } from "./captions.js";
 import { CollectPanels } from "./collect.js";
 import { Controls } from "./controls.js";
-import { $, $$, attempt, calm, openDialog, text, toast } from "./dom.js";
+import { $, $$, attempt, calm, leave, openDialog, text, toast } from "./dom.js";
+import { LibraryDoor, ReviewDoor } from "./doors.js";
 import { Drops } from "./drops.js";
 import { pageEntries } from "./entries.js";
 import { Guide } from "./guide.js";
@@ -16,7 +17,6 @@ import { ControlLine, ticks } from "./net.js";
 import { startPad } from "./pad.js";
 import { Palette } from "./palette.js";
 import { PlotDock } from "./plots.js";
-import { Review } from "./review.js";
 import { Shortcuts } from "./shortcuts.js";
 import { SourcePanel } from "./source.js";
 import { drawLink, drawStatus } from "./status.js";
@@ -61,7 +61,7 @@ const actions = {
   // Closes what is open where nothing can be in danger; in doubt it is a stop.
   escape: () => {
     const dialog = openDialog();
-    if (dialog && studio.still) dialog.close();
+    if (dialog && studio.still) leave(dialog);
     else actions.stop();
   },
   R: async () => {
@@ -87,11 +87,12 @@ $("#arm").addEventListener("click", actions.Enter);
 const shortcuts = new Shortcuts();
 const source = new SourcePanel(studio);
 const controls = new Controls(studio);
-const review = new Review(studio);
+const review = new ReviewDoor(studio);
 const takes = new TakesPanel(studio, review.open);
 const transport = new TransportBar(studio, () => review.on);
 const importer = new Importer(studio, review.open);
 const collect = new CollectPanels(studio, review, importer);
+const library = new LibraryDoor(studio, { review: review.open, train: collect.trainOn });
 const drops = new Drops(source, importer);
 const history = new TickHistory();
 const plots = new PlotDock();
@@ -106,7 +107,7 @@ const guide = new Guide({
     $("#record").click();
   },
   review: takes.reviewLast,
-  train: () => collect.trainOn(review),
+  train: () => collect.keepAndTrain(review),
 });
 $("#guide-again").addEventListener("click", guide.begin);
 const view = new View({
@@ -120,6 +121,7 @@ const palette = new Palette(() => [
   { words: "Emergency stop", key: "Esc", run: actions.stop },
   { words: "Reset: stand up", key: "R", run: actions.R },
   { words: "Arm: follow again", key: "Enter", run: actions.Enter },
+  { words: "Library of takes", key: "U", run: library.open },
   { words: "Live plots", key: "J", run: plots.toggle },
   { words: "Dark or light", key: "T", run: otherTheme },
   { words: "Keyboard shortcuts", key: "?", run: shortcuts.show },
@@ -134,6 +136,7 @@ keyboard.also({
   T: otherTheme,
   H: () => $("#record").click(),
   J: plots.toggle,
+  U: library.open,
   "?": shortcuts.show,
   palette: palette.show,
 });

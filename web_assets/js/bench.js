@@ -2,19 +2,10 @@
 
 import { $, $button, $input, $select, el, icon, press, setStyle, showIcon, text } from "./dom.js";
 import { alignment, flaws } from "./findings.js";
+import { formatList } from "./formats.js";
 
 /** @import { Review, State, Take } from "../types/page.js" */
 
-const EXPORTS = [
-  ["npz", "NPZ: both sides"],
-  ["csv", "CSV: both sides"],
-  ["bvh", "BVH: the person"],
-  ["jsonl", "JSON lines: the person"],
-  ["pairs", "Pairs as Parquet"],
-  ["hdf5", "HDF5"],
-  ["lerobot", "LeRobot data set"],
-  ["html", "Replay as a web page"],
-];
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 
 /**
@@ -62,10 +53,6 @@ export function benchOf(on) {
     "aria-label": "Label of the take",
     onchange: () => on.label(label.value.trim()),
   });
-  const save = (/** @type {Event} */ event) => {
-    on.save(chosen(event).value);
-    chosen(event).value = "";
-  };
   return el(
     "section",
     { class: "bench", id: "bench", hidden: true, "aria-label": "Review of a take" },
@@ -102,12 +89,7 @@ export function benchOf(on) {
         { class: "bench-right" },
         picture("bench-undo", "undo", "Take the last edit back (Z)", on.undo),
         picture("bench-redo", "redo", "Do it again (Y)", on.redo),
-        el(
-          "select",
-          { id: "bench-export", "aria-label": "Export the take", onchange: save },
-          el("option", { value: "" }, "Export"),
-          ...EXPORTS.map(([value, title]) => el("option", { value }, title)),
-        ),
+        formatList("bench-export", "Export", "Export the take", on.save),
         button("bench-split", "Split", "Two takes, cut here", on.split),
         button("bench-bin", "Bin", "Throw the take into the bin", on.bin),
       ),

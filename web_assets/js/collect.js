@@ -1,16 +1,17 @@
 // Mode collect: plan what to act out, be counted in, act it out, keep it or do it again.
 
 import { Coach } from "./coach.js";
+import { Collected } from "./collected.js";
 import { drawMap } from "./datamap.js";
 import { $, el, text } from "./dom.js";
-import { Library } from "./library.js";
+import { libraryButton } from "./doors.js";
 import { MappersPanel } from "./mappers.js";
 import { Plan } from "./plan.js";
 import { TrainPanel } from "./train.js";
 
 /** @import { State } from "../types/page.js" */
 /** @import { Importer } from "./imports.js" */
-/** @import { Review } from "./review.js" */
+/** @import { ReviewDoor } from "./doors.js" */
 /** @import { Studio } from "./studio.js" */
 
 /** @param {string} id @param {string} title @param {...Node} content */
@@ -26,38 +27,49 @@ export class CollectPanels {
   /** What was drawn last: a change of it is a reason to read takes and map anew. */
   #last = { on: false, phase: "", done: 0 };
 
-  /** @param {Studio} studio @param {Review} review @param {Importer} importer */
+  /** @param {Studio} studio @param {ReviewDoor} review @param {Importer} importer */
   constructor(studio, review, importer) {
     this.studio = studio;
     this.review = review;
     this.coach = new Coach(studio, review.open);
     this.plan = new Plan(studio, () => this.coach.unlock());
-    this.library = new Library(studio, review.open, (names) => this.train.pick(names));
+    this.collected = new Collected(studio, review.open, (names) => this.train.pick(names));
+    const list = this.collected.fields();
     const covered = [
       el("div", { id: "map-next", class: "proposals" }),
       el("div", { id: "map-states", class: "map" }),
     ];
     $(".panels").prepend(
       card("collect", "Collect", ...this.plan.fields()),
-      card("library", "Takes", importer.zone(), ...this.library.fields()),
+      card("collected-card", "Takes", libraryButton(), importer.zone(), ...list),
       card("map", "What is covered", ...covered),
       card("train", "Train a mapper of your own", el("div", { id: "train-body" })),
     );
     this.mappers = new MappersPanel(studio);
     this.train = new TrainPanel(studio, () => this.mappers.refresh());
     document.addEventListener("takes-changed", () => {
-      this.library.refresh();
+      this.collected.refresh();
       this.#map();
     });
     this.plan.load();
-    this.library.refresh();
+    this.collected.refresh();
   }
 
-  /** Keep the take on the bench, and go to where it is trained on. @param {Review} review */
-  async trainOn(review) {
+  /** Keep the take on the bench, and go to where it is trained on. @param {ReviewDoor} review */
+  async keepAndTrain(review) {
     if (review.on) await review.keep();
+    await this.trainOn();
+  }
+
+  /**
+   * Go to where takes are trained on, with these ticked.
+   *
+   * @param {string[]} [names]
+   */
+  trainOn = async (names) => {
     await this.studio.api.post("/api/mode", { mode: "collect" });
-    this.library.refresh();
+    await this.collected.refresh();
+    if (names) this.collected.tickOnly(names);
     // The panels of this mode are there once the state has said so.
     const show = () => {
       if (!$("#train").offsetParent) return this.studio.collecting && requestAnimationFrame(show);
@@ -65,7 +77,7 @@ export class CollectPanels {
       $("#train summary").focus({ preventScroll: true });
     };
     setTimeout(show, 300);
-  }
+  };
 
   #map() {
     if (this.studio.collecting || this.review.on) drawMap(this.studio, () => this.plan.seconds);
@@ -80,7 +92,7 @@ export class CollectPanels {
     const last = this.#last;
     this.#last = { on, phase, done };
     if (on && (!last.on || phase !== last.phase || done !== last.done)) {
-      this.library.refresh();
+      this.collected.refresh();
       if (phase !== "record" && phase !== "countdown") this.#map();
     }
     this.coach.draw(collect, on, on && !this.review.on);

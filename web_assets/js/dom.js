@@ -42,6 +42,11 @@ export const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches
 export const openDialog = () =>
   /** @type {HTMLDialogElement | null} */ (document.querySelector("dialog[open]"));
 
+/** Close it, unless it has something else to leave first. @param {HTMLDialogElement} dialog */
+export function leave(dialog) {
+  if (dialog.dispatchEvent(new Event("cancel", { cancelable: true }))) dialog.close();
+}
+
 /** @param {Element} node */
 function html(node) {
   if (node instanceof HTMLElement) return node;

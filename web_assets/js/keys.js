@@ -27,7 +27,7 @@ const CONTROLS = ["INPUT", "BUTTON", "SELECT", "SUMMARY", "A", "LABEL"];
 
 /** What the keyboard looks at of an element, in whichever window it lies. */
 /** @typedef {{ tagName?: string, id?: string, type?: string, role?: string | null,
- *   isContentEditable?: boolean }} Focus */
+ *   isContentEditable?: boolean, dataset?: DOMStringMap }} Focus */
 
 /** Whether keys write text there. @param {Focus | null} node */
 export const typing = (node) =>
@@ -44,7 +44,10 @@ export const onControl = (node) => typing(node) || CONTROLS.includes(node?.tagNa
  * @param {Focus | null} node
  */
 const slides = (node) =>
-  node?.role === "slider" || node?.type === "range" || node?.tagName === "SELECT";
+  node?.role === "slider" ||
+  node?.type === "range" ||
+  node?.tagName === "SELECT" ||
+  node?.dataset?.arrows !== undefined;
 
 /** A key by what is written on it. @param {{ key: string, code: string }} event */
 export const nameOf = ({ key, code }) =>

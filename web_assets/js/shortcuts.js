@@ -12,6 +12,7 @@ const ROWS = [
   ["T", "dark or light"],
   ["H", "record, and end the take"],
   ["J", "live plots"],
+  ["U", "the library: all takes, many at once (Shift, Ctrl A, Delete), the bin"],
   ["Ctrl K", "everything the page can do, by typing"],
   ["?", "this help"],
   ["G V M", "collecting: start, end the preview, abort"],

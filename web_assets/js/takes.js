@@ -2,6 +2,7 @@
 
 import { throwAway } from "./bin.js";
 import { $, $input, attempt, el, icon, text, toast } from "./dom.js";
+import { libraryButton } from "./doors.js";
 import { FRAME } from "./motion.js";
 import { capital, search } from "./words.js";
 
@@ -23,6 +24,7 @@ export class TakesPanel {
     this.studio = studio;
     this.openReview = openReview;
     $("#record").addEventListener("click", () => attempt(() => this.#record()));
+    $("#takes-find").before(libraryButton());
     $("#takes-find").addEventListener("input", () => this.#list());
     document.addEventListener("takes-changed", () => this.#refresh());
     this.#refresh();

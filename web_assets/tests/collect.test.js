@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { coached, passed } from "../js/coach.js";
-import { Ticks, about } from "../js/library.js";
+import { Ticks, about } from "../js/collected.js";
 import { itemsOf } from "../js/plan.js";
 
 /** What the coach looks at. @type {any} */

@@ -1,0 +1,105 @@
+// Pictures and scores of takes, asked for a few at a time: those first that are on the screen.
+
+import { attempt } from "./dom.js";
+
+/** @import { Take } from "../types/page.js" */
+/** @import { Api } from "./net.js" */
+
+const AT_ONCE = 12; // pictures
+const SCORED = 4; // takes: each is looked over whole
+
+/** Which take, as its edits leave it. @param {Take} take */
+const version = ({ name, ticks, undoable, redoable }) =>
+  [name, ticks, undoable, redoable].join("|");
+
+/** A picture a take, drawn by the studio from its tape; remembered until the take is edited. */
+export class Pictures {
+  /** Data URLs by a take's version; "" where there is none. @type {Map<string, string>} */
+  #known = new Map();
+  /** Images that wait for theirs. @type {Map<HTMLImageElement, Take>} */
+  #wanted = new Map();
+  #asking = false;
+  #seen = new IntersectionObserver((entries) => {
+    for (const { target, isIntersecting } of entries) {
+      const image = /** @type {HTMLImageElement} */ (target);
+      const take = this.#takes.get(image);
+      if (!take) continue;
+      if (isIntersecting) this.#wanted.set(image, take);
+      else this.#wanted.delete(image);
+    }
+    this.#ask();
+  });
+  /** @type {WeakMap<HTMLImageElement, Take>} */
+  #takes = new WeakMap();
+
+  /** @param {Api} api */
+  constructor(api) {
+    this.api = api;
+  }
+
+  /** Give an image its take's picture, now or once it is on the screen. */
+  /** @param {HTMLImageElement} image @param {Take} take */
+  show(image, take) {
+    const known = this.#known.get(version(take));
+    if (known) image.src = known;
+    else if (known === undefined && !take.recording) {
+      this.#takes.set(image, take);
+      this.#seen.observe(image);
+    }
+  }
+
+  async #ask() {
+    if (this.#asking) return;
+    this.#asking = true;
+    while (this.#wanted.size) {
+      const some = [...this.#wanted].slice(0, AT_ONCE);
+      for (const [image] of some) {
+        this.#wanted.delete(image);
+        this.#seen.unobserve(image);
+      }
+      const names = [...new Set(some.map(([, { name }]) => name))];
+      const found = await this.api.post("/api/takes/thumbnails", { names }).catch(() => null);
+      for (const [image, take] of some) {
+        const svg = found?.pictures[take.name];
+        const url = svg ? `data:image/svg+xml,${encodeURIComponent(svg)}` : "";
+        this.#known.set(version(take), url);
+        if (url) image.src = url;
+      }
+    }
+    this.#asking = false;
+  }
+}
+
+/** Looks over takes that have no score yet, for as long as somebody looks at them. */
+export class Scorer {
+  /** @type {Set<string>} */
+  #tried = new Set();
+  #busy = false;
+
+  /**
+   * @param {Api} api
+   * @param {(scores: Record<string, number>, left: number) => void} scored told after each few
+   */
+  constructor(api, scored) {
+    this.api = api;
+    this.scored = scored;
+  }
+
+  /** @param {Take[]} takes the first come first @param {() => boolean} goOn */
+  async score(takes, goOn) {
+    if (this.#busy) return;
+    this.#busy = true;
+    const lacking = takes.filter(
+      ({ name, score, damaged, recording, ticks }) =>
+        score == null && !damaged && !recording && ticks && !this.#tried.has(name),
+    );
+    while (lacking.length && goOn()) {
+      const names = lacking.splice(0, SCORED).map(({ name }) => name);
+      for (const name of names) this.#tried.add(name);
+      const found = await attempt(() => this.api.post("/api/takes/scores", { names }));
+      if (!found) break;
+      this.scored(found.scores, lacking.length);
+    }
+    this.#busy = false;
+  }
+}
