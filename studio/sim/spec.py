@@ -6,21 +6,16 @@ and the closed-form clearances agree. Names: body = link (a1.LINKS), joint and a
 geom = capsule, "floor"; sensors below.
 """
 
-import sysconfig
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from importlib.util import find_spec
-from pathlib import Path
 
 import mujoco
 import numpy as np
-import yourdfpy
 
 from studio import geometry
-from studio.errors import StudioError
 from studio.robot import a1
 from studio.robot.collision import CAPSULES, PAIRS
+from studio.robot.description import load_urdf
 
 Prop = Callable[[mujoco.MjSpec], None]
 """Adds bodies to the world before it is compiled."""
@@ -46,32 +41,6 @@ class ModelConfig:
     friction: float = 1.0
     self_collision: bool = True
     leg_contact: bool = True
-
-
-def a1_folder() -> Path:
-    """The folder of Unitree's A1 description, wherever `example-robot-data` was installed.
-
-    Raises StudioError where it was not.
-    """
-    inside = Path("share", "example-robot-data", "robots", "a1_description")
-    roots = [Path(sysconfig.get_paths()["purelib"]) / "cmeel.prefix"]
-    found = find_spec("cmeel")
-    if found is not None and found.submodule_search_locations:
-        roots.insert(0, Path(found.submodule_search_locations[0]).parent / "cmeel.prefix")
-    for root in roots:
-        if (root / inside / "urdf" / "a1.urdf").is_file():
-            return root / inside
-    raise StudioError("the A1's description is missing: pip install 'example-robot-data>=6'")
-
-
-@lru_cache(maxsize=1)
-def load_urdf() -> yourdfpy.Robot:
-    """The A1's links and joints as written in its URDF (no meshes loaded)."""
-    path = a1_folder() / "urdf" / "a1.urdf"
-    urdf = yourdfpy.URDF.load(
-        str(path), build_scene_graph=False, load_meshes=False, load_collision_meshes=False
-    )
-    return urdf.robot
 
 
 def build_spec(config: ModelConfig = ModelConfig()) -> mujoco.MjSpec:

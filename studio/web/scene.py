@@ -14,8 +14,8 @@ from studio.geometry import quat_mul, quat_rotate
 from studio.human.pose import HumanPose
 from studio.robot import a1
 from studio.robot.kinematics import foot_pos_w, link_frames_w
+from studio.robot.meshes import link_meshes
 from studio.robot.pose import RobotPose
-from studio.sim import visual
 from studio.takes.tick import Tick
 from studio.web import shapes
 from studio.web.follow import (
@@ -95,7 +95,7 @@ class RobotFigure:
         tint: tuple[int, int, int] | None = None,
         opacity: float | None = None,
     ) -> None:
-        meshes = visual.link_meshes()
+        meshes = link_meshes()
         groups: dict[bytes, list[str]] = {}
         for link, mesh in meshes.items():
             groups.setdefault(mesh.vertices.tobytes() + mesh.faces.tobytes(), []).append(link)

@@ -7,7 +7,8 @@ import pytest
 from studio import geometry
 from studio.robot import a1, kinematics
 from studio.robot.collision import CAPSULES, PAIRS, pair_distances
-from studio.sim.spec import ModelConfig, build_model, load_urdf
+from studio.robot.description import load_urdf
+from studio.sim.spec import ModelConfig, build_model
 
 
 @pytest.fixture(scope="module")

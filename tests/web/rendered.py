@@ -54,7 +54,7 @@ def robot_error(rendered, name, pose) -> float:
 
 def iter_links(rendered, name) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """Each link's drawn position and orientation: a batch's name is its first link's."""
-    from studio.sim.visual import link_meshes
+    from studio.robot.meshes import link_meshes
 
     meshes = link_meshes()
     out = {}

@@ -10,10 +10,11 @@ from scipy.spatial import cKDTree
 
 from studio import geometry
 from studio.robot import a1, kinematics
+from studio.robot import meshes as visual
+from studio.robot.decimate import decimate
+from studio.robot.description import a1_folder, load_urdf
 from studio.robot.pose import RobotPose
-from studio.sim import visual
-from studio.sim.decimate import decimate
-from studio.sim.spec import a1_folder, build_model, load_urdf
+from studio.sim.spec import build_model
 
 
 def pose(seed: int) -> RobotPose:

@@ -1,6 +1,6 @@
 """Unitree's meshes to light ones any viewer can draw, as plain arrays, and where each link is.
 
-`python -m studio.sim.visual` fills the cache at set-up; without it the first use does.
+`python -m studio.robot.meshes` fills the cache at set-up; without it the first use does.
 Meshes are decimated, cut along sharp edges (so that smooth shading keeps them sharp) and turned
 into their link's frame, with the URDF's mirroring of the hips applied.
 """
@@ -80,7 +80,7 @@ def cache_file() -> Path:
 
 def build_meshes() -> dict[str, LinkMesh]:
     """Read, decimate and turn Unitree's meshes: about twenty seconds."""
-    from studio.sim.spec import load_urdf
+    from studio.robot.description import load_urdf
 
     parts: dict[str, LinkMesh] = {name: _decimated(name) for name in TRIANGLES}
     turned: dict[tuple[str, bytes], LinkMesh] = {}
@@ -109,8 +109,8 @@ def build_meshes() -> dict[str, LinkMesh]:
 def _decimated(name: str) -> LinkMesh:
     import trimesh
 
-    from studio.sim.decimate import decimate
-    from studio.sim.spec import a1_folder
+    from studio.robot.decimate import decimate
+    from studio.robot.description import a1_folder
 
     raw = trimesh.load_scene(str(a1_folder() / "meshes" / f"{name}.dae")).to_mesh()
     mesh = trimesh.Trimesh(raw.vertices, raw.faces, process=False)
