@@ -20,7 +20,7 @@ export default [
       "studio/no-mutable-globals": "error",
     },
   },
-  { files: ["js/**"], languageOptions: { globals: globals.browser } },
+  { files: ["js/**", "replay/**"], languageOptions: { globals: globals.browser } },
   { files: ["js/pace.js", "js/webcam-worker.js"], languageOptions: { globals: globals.worker } },
   { files: ["tests/**", "*.js"], languageOptions: { globals: globals.node } },
 ];

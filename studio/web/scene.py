@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from studio.geometry import quat_mul, quat_rotate
 from studio.human.pose import HumanPose
+from studio.human.shape import BONES, JOINT_RADII
 from studio.robot import a1
 from studio.robot.kinematics import foot_pos_w, link_frames_w
 from studio.robot.meshes import link_meshes
@@ -52,13 +53,13 @@ class HumanFigure:
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._place = HumanPlace()
-        n_bones, n_joints = len(shapes.BONES), len(shapes.JOINT_RADII)
+        n_bones, n_joints = len(BONES), len(JOINT_RADII)
         bone, ball = shapes.bone_mesh(), shapes.ball_mesh()
         self._bones = Batch(scene, "/human/bones", bone, n_bones, shapes.BONE_COLORS, scaled=True)
         self._joints = Batch(
             scene, "/human/joints", ball, n_joints, shapes.JOINT_COLORS, scaled=True
         )
-        self._radii = HUMAN_SCALE * np.repeat(shapes.JOINT_RADII[:, None], 3, axis=1)
+        self._radii = HUMAN_SCALE * np.repeat(JOINT_RADII[:, None], 3, axis=1)
 
     def reset(self) -> None:
         """Another source: find floor and heading anew."""

@@ -177,7 +177,8 @@ def test_html_export_is_one_file_that_asks_for_nothing(sessions: Path, tmp_path:
     assert "alert(1)</script>" not in text
     start = text.index('type="application/json">') + len('type="application/json">')
     data = json.loads(text[start : text.index("</script>", start)])
-    assert [f["title"] for f in data["figures"]] == ["person", "shown", "robot"]
+    titles = ["Recorded person", "What it should do", "What physics lets it do"]
+    assert [f["title"] for f in (data["person"], *data["robots"])] == titles
     assert len(data["states"]) == len(read_take(sessions / "walk"))
 
 

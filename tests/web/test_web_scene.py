@@ -6,6 +6,7 @@ import pytest
 from studio import geometry
 from studio.errors import StudioError
 from studio.human.pose import HumanPose
+from studio.human.shape import BONES
 from studio.human.skeleton import INDEX, NUM_JOINTS, PARENTS
 from studio.live.commands import ReleaseControl, TakeControl
 from studio.live.safety import Safety
@@ -41,7 +42,7 @@ def test_each_bone_runs_from_its_parent_to_its_joint(person):
     joints = person.joint_pos_w
     start, wxyz, scale = shapes.bone_transforms(joints)
     tip = start + geometry.quat_rotate(wxyz, np.array([0.0, 0.0, 1.0])) * scale[:, 2:]
-    for bone, joint in enumerate(shapes.BONES):
+    for bone, joint in enumerate(BONES):
         np.testing.assert_allclose(start[bone], joints[PARENTS[joint]], atol=1e-9)
         np.testing.assert_allclose(tip[bone], joints[joint], atol=1e-9)
 

@@ -20,8 +20,8 @@ export function libraryDialog(close) {
     "dialog",
     { id: "library", "aria-labelledby": "library-title" },
     el(
-      "header",
-      {},
+      "div",
+      { class: "head" },
       el("h2", { id: "library-title" }, "Library"),
       el("span", { class: "note", id: "library-says", role: "status" }),
       el("button", { id: "library-all", title: "All that are listed (Ctrl A)" }, "Select all"),

@@ -1,28 +1,40 @@
-"""A take to one HTML file that replays both figures anywhere, without a server or a network."""
+"""A take to one HTML file that replays the three figures anywhere, without a server or a network.
+
+The robots are drawn with Unitree's meshes. The page's parts are in web_assets/replay.
+"""
 
 import base64
 import html
+import re
 from pathlib import Path
+from typing import Any
 
 import msgspec
 import numpy as np
 from numpy.typing import NDArray
 
+from studio import geometry
 from studio.errors import StudioError
-from studio.human.skeleton import PARENTS
-from studio.robot import a1, kinematics
-from studio.robot.legs import link_frames_w
+from studio.human.shape import BONE_RADII, BONES, JOINT_RADII
+from studio.human.skeleton import INDEX, PARENTS
+from studio.paths import package_folder
+from studio.robot import a1
+from studio.robot.meshes import link_meshes
 from studio.takes.export.episodes import nothing_left
-from studio.takes.export.extent import extent
-from studio.takes.export.replay_page import PAGE
+from studio.takes.export.extent import Extent, extent
 from studio.takes.take import Take
 
 Array = NDArray[np.float64]
 
-MOST_FRAMES = 18_000
-"""Ten minutes at 30 Hz, some 8 MB; longer takes are thinned."""
-_UNIT = 1e-3
-"""m: points are whole millimetres from each figure's middle of the way, in 16 bits."""
+MOST_FRAMES = 15_000
+"""Eight minutes at 30 Hz, some 4 MB; longer takes are thinned."""
+SCRIPTS = ("space.js", "solids.js", "painter.js", "figures.js", "player.js")
+"""Of the page, in the order in which they need each other."""
+TINT = (0.36, 0.61, 1.0)
+_TRUNK, _LIMB, _JOINT = (0.80, 0.41, 0.24), (0.87, 0.51, 0.33), (0.91, 0.62, 0.46)
+_ANGLE, _TURN = 7000.0, 32767.0
+_FOLLOW = 0.12
+"""How fast a figure's column follows it, a frame."""
 
 
 def write_html(take: Take, path: Path) -> None:
@@ -35,57 +47,133 @@ def write_html(take: Take, path: Path) -> None:
         raise StudioError(nothing_left(take))
     step = max(1, -(-len(part.tick) // MOST_FRAMES))
     tick = part.tick[::step]
-    figures = []
-    if part.confidence.any():
-        bones = [[p, i] for i, p in enumerate(PARENTS) if p >= 0]
-        figures.append(_figure("person", part.human[::step], bones))
-    for title, group in (("shown", take.arrays.reference), ("robot", take.arrays.robot)):
-        poses = [group[key][tick] for key in ("base_pos", "base_quat", "joint_pos")]
-        figures.append(_figure(title, robot_points(*poses), ROBOT_LINES))
+    groups = (
+        ("What it should do", take.arrays.reference, TINT),
+        ("What physics lets it do", take.arrays.robot, None),
+    )
+    robots = [
+        _robot(title, {key: x[tick] for key, x in group.items()}, color)
+        for title, group, color in groups
+    ]
+    shapes, links = _meshes()
     data = {
         "name": take.name,
         "label": take.label,
         "fps": a1.CONTROL_HZ / step,
         "states": [take.arrays.state[i] for i in tick.tolist()],
-        "figures": figures,
+        "person": _person(take, part, step),
+        "robots": [robot for robot, _ in robots],
+        "passed": _packed(robots[-1][1], "<f4"),
+        "shapes": shapes,
+        "links": links,
+        "offsets": _offsets(),
+        "foot": a1.CALF_LENGTH,
     }
-    # "<" would end the script element early if a label held "</script>".
-    text = msgspec.json.encode(data).decode().replace("<", "\\u003c")
-    title = html.escape(f"{take.label or take.name} · a1-studio")
-    page = PAGE.replace("{{title}}", title).replace("{{data}}", text)
-    path.write_text(page, encoding="utf-8")
+    path.write_text(_page(f"{take.label or take.name} · a1-studio", data), encoding="utf-8")
 
 
-def _figure(title: str, points: Array, lines: list[list[int]]) -> dict[str, object]:
-    """Points (N, P, 3) m, drawn about where the figure stands on average."""
-    middle = np.append(np.median(points[..., :2], axis=(0, 1)), 0.0)
-    whole = np.clip(np.rint((points - middle) / _UNIT), -32768, 32767).astype("<i2")
-    return {
-        "title": title,
-        "points": points.shape[1],
-        "lines": lines,
-        "data": base64.b64encode(whole.tobytes()).decode(),
+def _page(title: str, data: dict[str, Any]) -> str:
+    folder = package_folder("web_assets") / "replay"
+    parts = {
+        "title": html.escape(title),
+        "style": (folder / "page.css").read_text("utf-8"),
+        "script": script([(folder / name).read_text("utf-8") for name in SCRIPTS]),
+        # "<" would end the script element early if a label held "</script>".
+        "data": msgspec.json.encode(data).decode().replace("<", "\\u003c"),
     }
+    page = (folder / "page.html").read_text("utf-8")
+    return re.sub(r"{{(\w+)}}", lambda found: parts[found[1]], page)
 
 
-def robot_points(base_pos: Array, base_quat: Array, joint_pos: Array) -> Array:
-    """Points (N, 17, 3) m in the world: trunk, hip, thigh and calf frame of FR FL RR RL, four feet.
-
-    base (N, 3), (N, 4) in the world, joints (N, 12) rad.
-    """
-    links, _ = link_frames_w(base_pos, base_quat, joint_pos)
-    return np.concatenate([links, kinematics.foot_pos_w(base_pos, base_quat, joint_pos)], axis=-2)
+def script(modules: list[str]) -> str:
+    """Modules as one: a page from a file may import nothing. Their names must differ."""
+    text = "\n".join(modules)
+    text = re.sub(r"^import [^;]*;\n", "", text, flags=re.MULTILINE)
+    return re.sub(r"^export ", "", text, flags=re.MULTILINE)
 
 
-def _robot_lines() -> list[list[int]]:
-    hips = [1 + 3 * leg for leg in range(4)]
-    trunk = [[hips[0], hips[1]], [hips[1], hips[3]], [hips[3], hips[2]], [hips[2], hips[0]]]
-    legs = [
-        pair
-        for leg, hip in enumerate(hips)
-        for pair in ([hip, hip + 1], [hip + 1, hip + 2], [hip + 2, 13 + leg])
+def _robot(
+    title: str, pose: dict[str, Array], color: tuple[float, ...] | None
+) -> tuple[dict[str, Any], Array]:
+    """A row a frame, and (N, 2) m where its column has followed it; it faces ahead at first."""
+    begun = geometry.quat_conj(geometry.heading_quat(pose["base_quat"][0]))
+    pos = geometry.quat_rotate(begun, pose["base_pos"] - pose["base_pos"][0] * (1.0, 1.0, 0.0))
+    quat = geometry.quat_mul(begun, pose["base_quat"])
+    follow = _followed(pos[:, :2])
+    pos[:, :2] -= follow
+    stands = (pose["foot_contact"] > 0.5) @ (1 << np.arange(4))
+    rows = np.column_stack([1e3 * pos, _TURN * quat, _ANGLE * pose["joint_pos"], stands])
+    return {"title": title, "data": _packed(rows, "<i2"), "color": color}, follow
+
+
+def _person(take: Take, part: Extent, step: int) -> dict[str, Any] | None:
+    """None where nobody was seen. They face ahead at first, their lowest foot on the floor."""
+    seen = np.flatnonzero(part.confidence[::step].any(axis=1))
+    if not len(seen):
+        return None
+    # As they were seen last; before they were seen at all, as they were then.
+    last = np.searchsorted(seen, np.arange(len(part.human[::step])), side="right") - 1
+    joints = part.human[::step][seen[np.maximum(last, 0)]]
+    left = INDEX["l_hip"], INDEX["r_hip"]
+    across = joints[0, left[0]] - joints[0, left[1]]
+    turned = joints.copy()
+    turned[..., :2] = geometry.turn_xy(joints[..., :2], -np.arctan2(-across[0], across[1]))
+    follow = _followed(turned[:, INDEX["pelvis"], :2])
+    turned[..., :2] -= follow[:, None]
+    turned[..., 2] -= np.percentile(turned[..., 2].min(axis=1), 5)
+    invented = str((take.meta.get("about") or {}).get("source", "")).startswith("operator")
+    colors = [
+        _TRUNK if name in ("pelvis", "spine", "chest") else _JOINT if "_" not in name else _LIMB
+        for name in INDEX
     ]
-    return trunk + legs
+    return {
+        "title": "Synthetic person" if invented else "Recorded person",
+        "data": _packed(1e3 * turned, "<i2"),
+        "bones": [[PARENTS[i], i, *radii] for i, radii in zip(BONES, BONE_RADII.tolist())],
+        "joints": JOINT_RADII.tolist(),
+        "left": left,
+        "colors": colors,
+    }
 
 
-ROBOT_LINES = _robot_lines()
+def _followed(xy: Array) -> Array:
+    """(N, 2) smoothed, there and back, so that it does not lag."""
+    out = xy.copy()
+    for order in (range(1, len(xy)), range(len(xy) - 2, -1, -1)):
+        for i in order:
+            before = out[i - order.step]
+            out[i] = before + _FOLLOW * (out[i] - before)
+    return out
+
+
+def _meshes() -> tuple[list[dict[str, Any]], list[dict[str, Any]]]:
+    """The different shapes, and which of them each link has, in which colour."""
+    shapes: list[dict[str, Any]] = []
+    links, known = [], dict[int, int]()
+    for mesh in link_meshes().values():
+        if id(mesh) not in known:
+            known[id(mesh)] = len(shapes)
+            unit = float(np.abs(mesh.vertices).max()) / 32767.0
+            shapes.append(
+                {
+                    "vertices": _packed(mesh.vertices / unit, "<i2"),
+                    "faces": _packed(mesh.faces, "<u2"),
+                    "unit": unit,
+                }
+            )
+        color = [round(part / 255, 3) for part in mesh.color]
+        links.append({"shape": known[id(mesh)], "color": color})
+    return shapes, links
+
+
+def _offsets() -> dict[str, Any]:
+    """Of each joint in the link before it, m."""
+    thigh = [[0.0, side * a1.THIGH_OFFSET, 0.0] for side in a1.SIDE.tolist()]
+    return {"hip": a1.HIP_OFFSET.tolist(), "thigh": thigh, "calf": [0.0, 0.0, -a1.THIGH_LENGTH]}
+
+
+def _packed(values: NDArray[Any], kind: str) -> str:
+    """Base64 of numbers of a numpy kind; whole ones rounded, and no larger than fit."""
+    if kind != "<f4":
+        values = np.clip(np.rint(values), np.iinfo(kind).min, np.iinfo(kind).max)
+    return base64.b64encode(np.ascontiguousarray(values, kind).tobytes()).decode()

@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 from studio.errors import StudioError
 from studio.human.skeleton import NUM_JOINTS, PARENTS
 from studio.robot import a1
-from studio.robot.legs import link_frames_w
+from studio.robot.legs import foot_pos_w, link_frames_w
 from studio.takes.export import foxglove
 from studio.takes.export.episodes import nothing_left
 from studio.takes.export.extent import tick_range
-from studio.takes.export.html import ROBOT_LINES, robot_points
 from studio.takes.record import codec
 from studio.takes.record.tape import LIBRARY
 from studio.takes.take import Take
@@ -34,8 +33,23 @@ FIGURES = {
 """Frame of each figure: m to the left of the world's origin, so that they stand side by side, and
 its colour."""
 BONES = [[p, i] for i, p in enumerate(PARENTS) if p >= 0]
+ROBOT_LINES = [[1, 4], [4, 10], [10, 7], [7, 1]] + [
+    pair
+    for leg in range(4)
+    for pair in ([3 * leg + 1, 3 * leg + 2], [3 * leg + 2, 3 * leg + 3], [3 * leg + 3, 13 + leg])
+]
+"""The trunk's outline and the legs: pairs of what `robot_points` gives."""
 _DOTS = 6
 """Points on each bone."""
+
+
+def robot_points(base_pos: Array, base_quat: Array, joint_pos: Array) -> Array:
+    """Points (N, 17, 3) m in the world: trunk, hip, thigh and calf frame of FR FL RR RL, four feet.
+
+    base (N, 3), (N, 4) in the world, joints (N, 12) rad.
+    """
+    links, _ = link_frames_w(base_pos, base_quat, joint_pos)
+    return np.concatenate([links, foot_pos_w(base_pos, base_quat, joint_pos)], axis=-2)
 
 
 def write_mcap(take: Take, path: Path) -> None:
