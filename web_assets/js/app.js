@@ -8,6 +8,7 @@ import { $, $$, attempt, calm, leave, openDialog, text, toast } from "./dom.js";
 import { LibraryDoor, ReviewDoor } from "./doors.js";
 import { Drops } from "./drops.js";
 import { pageEntries } from "./entries.js";
+import { FilmButton } from "./film-button.js";
 import { Guide } from "./guide.js";
 import { drawHealth } from "./health.js";
 import { TickHistory } from "./history.js";
@@ -87,7 +88,7 @@ $("#arm").addEventListener("click", actions.Enter);
 const shortcuts = new Shortcuts();
 const source = new SourcePanel(studio);
 const controls = new Controls(studio);
-const review = new ReviewDoor(studio);
+const review = new ReviewDoor(studio, (take, t) => film.take(take, t));
 const takes = new TakesPanel(studio, review.open);
 const transport = new TransportBar(studio, () => review.on);
 const importer = new Importer(studio, review.open);
@@ -115,6 +116,8 @@ const view = new View({
   ready: () => $("#veil").classList.add("gone"),
   drag: drops.drag,
 });
+/** @type {FilmButton} */
+const film = new FilmButton(studio, view);
 const palette = new Palette(() => [
   ...pageEntries(),
   ...transport.entries,
@@ -122,6 +125,7 @@ const palette = new Palette(() => [
   { words: "Reset: stand up", key: "R", run: actions.R },
   { words: "Arm: follow again", key: "Enter", run: actions.Enter },
   { words: "Library of takes", key: "U", run: library.open },
+  { words: "Film the 3-D view", run: film.toggle },
   { words: "Live plots", key: "J", run: plots.toggle },
   { words: "Dark or light", key: "T", run: otherTheme },
   { words: "Keyboard shortcuts", key: "?", run: shortcuts.show },

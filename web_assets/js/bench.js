@@ -6,6 +6,8 @@ import { formatList } from "./formats.js";
 
 /** @import { Review, State, Take } from "../types/page.js" */
 
+/** @type {[string, string][]} */
+const FILM = [["film", "Video of the view"]];
 const SPEEDS = [0.25, 0.5, 1, 2, 4];
 
 /**
@@ -89,7 +91,7 @@ export function benchOf(on) {
         { class: "bench-right" },
         picture("bench-undo", "undo", "Take the last edit back (Z)", on.undo),
         picture("bench-redo", "redo", "Do it again (Y)", on.redo),
-        formatList("bench-export", "Export", "Export the take", on.save),
+        formatList("bench-export", "Export", "Export the take", on.save, FILM),
         button("bench-split", "Split", "Two takes, cut here", on.split),
         button("bench-bin", "Bin", "Throw the take into the bin", on.bin),
       ),

@@ -14,9 +14,13 @@ export class ReviewDoor {
   /** @type {Review | null} */
   #review = null;
 
-  /** @param {Studio} studio */
-  constructor(studio) {
+  /**
+   * @param {Studio} studio
+   * @param {(take: string, t: number) => unknown} film from t s on
+   */
+  constructor(studio, film) {
     this.studio = studio;
+    this.film = film;
   }
 
   /** Whether a take is on the bench. */
@@ -33,7 +37,7 @@ export class ReviewDoor {
   open = (name) =>
     attempt(async () => {
       const { Review } = await import("./review.js");
-      this.#review ??= new Review(this.studio);
+      this.#review ??= new Review(this.studio, this.film);
       await this.#review.open(name);
     });
 

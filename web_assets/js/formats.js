@@ -22,8 +22,9 @@ const FORMATS = [
  * @param {string} title
  * @param {string} name what is exported, for who hears the page
  * @param {(format: string) => unknown} save
+ * @param {[string, string][]} [more] what there is beside them
  */
-export function formatList(id, title, name, save) {
+export function formatList(id, title, name, save, more = []) {
   const list = el(
     "select",
     {
@@ -36,7 +37,7 @@ export function formatList(id, title, name, save) {
       },
     },
     el("option", { value: "" }, title),
-    ...FORMATS.map(([value, words]) => el("option", { value }, words)),
+    ...[...more, ...FORMATS].map(([value, words]) => el("option", { value }, words)),
   );
   return list;
 }

@@ -27,9 +27,13 @@ export class Review {
   /** @type {Timeline} */
   #timeline;
 
-  /** @param {Studio} studio */
-  constructor(studio) {
+  /**
+   * @param {Studio} studio
+   * @param {(take: string, t: number) => unknown} film from t s on
+   */
+  constructor(studio, film) {
     this.studio = studio;
+    this.film = film;
     this.#actions = this.#does();
     $(".stage").append(benchOf(this.#actions));
     this.#timeline = new Timeline($canvas("#timeline"), {
@@ -74,11 +78,10 @@ export class Review {
       keep: (keep) => this.#edit({ keep }),
       undo: () => then(() => api.post("/api/takes/{name}/undo", undefined, name())),
       redo: () => then(() => api.post("/api/takes/{name}/redo", undefined, name())),
-      save: (format) =>
-        el("a", {
-          href: filled("/api/takes/{name}/export", { ...name(), format }),
-          download: "",
-        }).click(),
+      save: (format) => {
+        if (format === "film") this.#film();
+        else this.#export(format);
+      },
       split: () =>
         then(async () => {
           const at = this.#now.t;
@@ -107,6 +110,18 @@ export class Review {
           this.#aligned = !this.#aligned;
         }),
     };
+  }
+
+  /** @param {string} format */
+  #export(format) {
+    const name = this.#take?.name ?? "";
+    const href = filled("/api/takes/{name}/export", { name, format });
+    el("a", { href, download: "" }).click();
+  }
+
+  #film() {
+    const take = this.#take;
+    if (take) attempt(() => this.film(take.name, take.trim?.[0] ?? 0));
   }
 
   get #now() {

@@ -87,6 +87,12 @@ export class View {
     return this.#window?.__viserMutable ?? null;
   }
 
+  /** What viser draws on, with the words over it; null before it draws. */
+  get picture() {
+    const canvas = this.#inside?.canvas;
+    return canvas ? { canvas, captions: this.#captions } : null;
+  }
+
   /** Load the view anew, unless it is up. */
   reload() {
     if (!this.#inside || !this.#connected) this.#frame.src = "/view/";

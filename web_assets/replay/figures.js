@@ -44,7 +44,7 @@ const STANDS = [0.18, 0.8, 0.51, 1];
 const LIFTED = [0.47, 0.5, 0.57, 1];
 const GAP = 0.86; // m between two figures
 const GAP_ABOVE = 0.1; // m between a figure and its caption
-const REACH = 0.26; // m that a trunk reaches ahead of its middle
+const REACH = 0.2; // m that a trunk reaches ahead of its middle
 
 /** Each stays in its column: where the robot walks, the floor passes under them. */
 export class Figures {
@@ -75,7 +75,7 @@ export class Figures {
   /** Points over each that its caption hangs at, m. @param {Thing[][]} shown what `at` gave */
   tops(shown) {
     return shown.map((things, i) => {
-      const low = this.person && i === 0 ? 1.06 : 0.5;
+      const low = this.person && i === 0 ? 0.98 : 0.5;
       const top = Math.max(low, ...things.map(({ model }) => model[14] + REACH * model[2]));
       return /** @type {Vec} */ ([0, this.columns[i], top + GAP_ABOVE]);
     });

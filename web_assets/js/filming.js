@@ -1,0 +1,128 @@
+// A film of the 3-D view: what viser draws and the captions over it, to a video file.
+
+import { $, el, toast } from "./dom.js";
+import { space } from "./library-list.js";
+
+/** @import { View } from "./view.js" */
+
+const RATE = 30; // pictures a second, at most
+const WIDEST = 1280; // pixels
+const LONGEST = 600_000; // ms: it is kept in memory until it ends
+const BITS = 6_000_000; // a second
+/** The first that the browser writes; VP8 costs the least, and Safari has but MP4. */
+const KINDS = ["video/webm;codecs=vp8", "video/webm", "video/mp4"];
+
+/** Why no film can be made here, or "". @param {HTMLCanvasElement} canvas */
+function hindrance(canvas) {
+  if (!("MediaRecorder" in window) || !canvas.captureStream) return "makes no films of a page";
+  return KINDS.some((kind) => MediaRecorder.isTypeSupported(kind)) ? "" : "writes no video files";
+}
+
+/** A moment as part of a file's name. @param {Date} at */
+export const stamp = (at) => {
+  const two = (/** @type {number} */ n) => String(n).padStart(2, "0");
+  const day = [at.getFullYear(), two(at.getMonth() + 1), two(at.getDate())].join("");
+  return `${day}-${[at.getHours(), at.getMinutes(), at.getSeconds()].map(two).join("")}`;
+};
+
+/** One film, from when it is made until it is stopped. */
+export class Film {
+  begun = performance.now();
+  /** @type {Blob[]} */
+  #parts = [];
+  #video = document.createElement("video");
+  #canvas = document.createElement("canvas");
+  #pen = /** @type {CanvasRenderingContext2D} */ (this.#canvas.getContext("2d"));
+
+  /** @param {View} view @param {string} name of the file, without its kind */
+  constructor(view, name) {
+    const picture = view.picture;
+    if (!picture) throw new Error("the 3-D view is not there yet");
+    const why = hindrance(picture.canvas);
+    if (why) throw new Error(`this browser ${why}: Chrome, Edge, Firefox and new Safaris do`);
+    this.name = name;
+    this.captions = picture.captions;
+    this.frame = $("#view");
+    const kind = KINDS.find((one) => MediaRecorder.isTypeSupported(one)) ?? "";
+    this.ending = kind.includes("mp4") ? "mp4" : "webm";
+    const { clientWidth, clientHeight } = this.frame;
+    const scale = Math.min(1, WIDEST / clientWidth);
+    // Encoders want even numbers.
+    this.#canvas.width = 2 * Math.round((scale * clientWidth) / 2);
+    this.#canvas.height = 2 * Math.round((scale * clientHeight) / 2);
+    // By a video: what WebGL drew can be copied only while it draws.
+    this.source = picture.canvas.captureStream(RATE);
+    Object.assign(this.#video, { muted: true, playsInline: true, srcObject: this.source });
+    this.#video.play().catch(() => {}); // it was stopped before it began
+    this.#paint();
+    this.timer = setInterval(() => this.#paint(), 1000 / RATE);
+    this.recorder = new MediaRecorder(this.#canvas.captureStream(RATE), {
+      mimeType: kind,
+      videoBitsPerSecond: BITS,
+    });
+    this.recorder.ondataavailable = ({ data }) => this.#parts.push(data);
+    this.recorder.start(1000);
+  }
+
+  /** s since it began. */
+  get seconds() {
+    return (performance.now() - this.begun) / 1000;
+  }
+
+  get tooLong() {
+    return 1000 * this.seconds > LONGEST;
+  }
+
+  #paint() {
+    const pen = this.#pen;
+    const { width, height } = this.#canvas;
+    const style = getComputedStyle(document.documentElement);
+    const color = (/** @type {string} */ name) => style.getPropertyValue(name).trim();
+    const glow = pen.createRadialGradient(
+      width / 2,
+      0.4 * height,
+      0,
+      width / 2,
+      height / 2,
+      0.7 * width,
+    );
+    glow.addColorStop(0, color("--raised"));
+    glow.addColorStop(1, color("--bg"));
+    pen.fillStyle = glow;
+    pen.fillRect(0, 0, width, height);
+    pen.drawImage(this.#video, 0, 0, width, height);
+    const from = this.frame.getBoundingClientRect();
+    const scale = width / from.width;
+    pen.textAlign = "center";
+    pen.font = `600 ${14 * scale}px system-ui, sans-serif`;
+    for (const caption of this.captions) {
+      if (caption.style.visibility !== "visible") continue;
+      const box = caption.getBoundingClientRect();
+      const [left, top] = [scale * (box.left - from.left), scale * (box.top - from.top)];
+      pen.fillStyle = color("--panel");
+      pen.beginPath();
+      pen.roundRect(left, top, scale * box.width, scale * box.height, 9 * scale);
+      pen.fill();
+      pen.fillStyle = color("--text");
+      const words = $("b", caption).textContent ?? "";
+      const middle = left + (scale * box.width) / 2;
+      pen.fillText(words, middle, top + (scale * box.height) / 2 + 5 * scale, scale * box.width);
+    }
+  }
+
+  /** End it, and save it. */
+  async stop() {
+    clearInterval(this.timer);
+    const ended = new Promise((done) => (this.recorder.onstop = done));
+    this.recorder.stop();
+    await ended;
+    for (const track of this.source.getTracks()) track.stop();
+    this.#video.srcObject = null;
+    const blob = new Blob(this.#parts, { type: `video/${this.ending}` });
+    const file = `${this.name}.${this.ending}`;
+    const href = URL.createObjectURL(blob);
+    el("a", { href, download: file }).click();
+    setTimeout(() => URL.revokeObjectURL(href), 60_000);
+    toast(`Saved ${file}: ${this.seconds.toFixed(0)} s, ${space(blob.size)}`, "good");
+  }
+}
