@@ -74,27 +74,28 @@ def test_a_shared_take_opens_from_a_file_with_the_robot_s_meshes(browsing, tmp_p
     assert page.evaluate(PIXELS) != first
     page.focus("body")
     page.keyboard.press("ArrowRight")
-    assert page.input_value("#scrub") == str(int(0.75 * 470) + 1)
+    until(page, f"() => document.querySelector('#scrub').value === '{int(0.75 * 470) + 1}'")
     page.keyboard.press("Space")
     assert page.inner_text("#play") == "Pause"
     until(page, f"() => document.querySelector('#scrub').value > {int(0.75 * 470) + 1}")
     context.close()
-    assert said == []
+    # Of the test's own reading of pixels.
+    assert [words for words in said if "stall due to ReadPixels" not in words] == []
 
 
 DECODED = """async (bytes) => {
   const blob = new Blob([new Uint8Array(bytes)], { type: 'video/webm' });
   const video = Object.assign(document.createElement('video'), { muted: true });
   video.src = URL.createObjectURL(blob);
-  await new Promise((done, fail) => {
-    video.onloadeddata = done;
-    video.onerror = () => fail(new Error(video.error.message));
-  });
+  document.body.append(video);
+  await video.play();
+  for (let i = 0; i < 3; i++) await new Promise((done) => video.requestVideoFrameCallback(done));
   const canvas = document.createElement('canvas');
   [canvas.width, canvas.height] = [video.videoWidth, video.videoHeight];
   const pen = canvas.getContext('2d');
   pen.drawImage(video, 0, 0);
   const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
+  video.remove();
   const colours = new Set(new Uint32Array(data.buffer)).size;
   return { wide: canvas.width, high: canvas.height, colours };
 }"""
@@ -117,7 +118,7 @@ def film(page, download, tmp_path) -> dict:
 
 def test_the_view_is_filmed_and_the_file_can_be_played(page, tmp_path):
     click(page, "#film")
-    until(page, "() => document.querySelector('#film').textContent.includes('· 2 s')")
+    until(page, "() => parseInt(document.querySelector('#film').textContent.split('· ')[1]) >= 2")
     assert page.get_attribute("#film", "aria-pressed") == "true"
     with page.expect_download() as download:
         click(page, "#film")
@@ -144,6 +145,7 @@ def test_a_take_is_filmed_until_it_ends(page, served, tmp_path):
 
 
 def test_a_browser_that_makes_no_films_says_so(page):
+    click(page, '#mode [data-mode="live"]')
     page.evaluate("() => { window.kept = MediaRecorder; delete window.MediaRecorder; }")
     click(page, "#film")
     until(page, "() => document.querySelector('#toasts').textContent.includes('makes no films')")

@@ -30,7 +30,6 @@ export class Film {
   begun = performance.now();
   /** @type {Blob[]} */
   #parts = [];
-  #video = document.createElement("video");
   #canvas = document.createElement("canvas");
   #pen = /** @type {CanvasRenderingContext2D} */ (this.#canvas.getContext("2d"));
 
@@ -50,10 +49,7 @@ export class Film {
     // Encoders want even numbers.
     this.#canvas.width = 2 * Math.round((scale * clientWidth) / 2);
     this.#canvas.height = 2 * Math.round((scale * clientHeight) / 2);
-    // By a video: what WebGL drew can be copied only while it draws.
-    this.source = picture.canvas.captureStream(RATE);
-    Object.assign(this.#video, { muted: true, playsInline: true, srcObject: this.source });
-    this.#video.play().catch(() => {}); // it was stopped before it began
+    this.source = picture.canvas; // viser keeps what it drew until it draws again
     this.#paint();
     this.timer = setInterval(() => this.#paint(), 1000 / RATE);
     this.recorder = new MediaRecorder(this.#canvas.captureStream(RATE), {
@@ -90,7 +86,7 @@ export class Film {
     glow.addColorStop(1, color("--bg"));
     pen.fillStyle = glow;
     pen.fillRect(0, 0, width, height);
-    pen.drawImage(this.#video, 0, 0, width, height);
+    pen.drawImage(this.source, 0, 0, width, height);
     const from = this.frame.getBoundingClientRect();
     const scale = width / from.width;
     pen.textAlign = "center";
@@ -116,8 +112,6 @@ export class Film {
     const ended = new Promise((done) => (this.recorder.onstop = done));
     this.recorder.stop();
     await ended;
-    for (const track of this.source.getTracks()) track.stop();
-    this.#video.srcObject = null;
     const blob = new Blob(this.#parts, { type: `video/${this.ending}` });
     const file = `${this.name}.${this.ending}`;
     const href = URL.createObjectURL(blob);

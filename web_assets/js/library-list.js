@@ -27,7 +27,8 @@ const ORDERS = {
 /**
  * The session that each take belongs to, where it belongs to one.
  *
- * @param {CollectSession[]} sessions
+ * @template {Pick<CollectSession, "takes">} T
+ * @param {T[]} sessions
  */
 export const sessionsOf = (sessions) =>
   new Map(sessions.flatMap((one) => one.takes.map((take) => [take, one])));

@@ -9,7 +9,7 @@ import { listed, sessionsOf, takesOf } from "./library-list.js";
 /** @import { Api } from "./net.js" */
 
 export class Tools {
-  /** @type {ReturnType<typeof sessionsOf>} */
+  /** @type {Map<string, CollectSession>} */
   #sessions = new Map();
   #find = $input("#library-find");
   #session = $select("#library-session");
