@@ -9,8 +9,11 @@ const AT_ONCE = 12; // pictures
 const SCORED = 4; // takes: each is looked over whole
 
 /** Which take, as its edits leave it. @param {Take} take */
-const version = ({ name, ticks, undoable, redoable }) =>
-  [name, ticks, undoable, redoable].join("|");
+const version = ({ name, started, undoable, redoable }) =>
+  [name, started, undoable, redoable].join("|");
+
+/** Which recording: another may have its name later. @param {Take} take */
+const recording = ({ name, started }) => `${name} ${started}`;
 
 /** A picture a take, drawn by the studio from its tape; remembered until the take is edited. */
 export class Pictures {
@@ -90,12 +93,17 @@ export class Scorer {
     if (this.#busy) return;
     this.#busy = true;
     const lacking = takes.filter(
-      ({ name, score, damaged, recording, ticks }) =>
-        score == null && !damaged && !recording && ticks && !this.#tried.has(name),
+      (take) =>
+        take.score == null &&
+        !take.damaged &&
+        !take.recording &&
+        take.ticks &&
+        !this.#tried.has(recording(take)),
     );
     while (lacking.length && goOn()) {
-      const names = lacking.splice(0, SCORED).map(({ name }) => name);
-      for (const name of names) this.#tried.add(name);
+      const some = lacking.splice(0, SCORED);
+      for (const take of some) this.#tried.add(recording(take));
+      const names = some.map(({ name }) => name);
       const found = await attempt(() => this.api.post("/api/takes/scores", { names }));
       if (!found) break;
       this.scored(found.scores, lacking.length);
