@@ -6,7 +6,7 @@ from typing import Any, Literal, NotRequired, TypedDict
 Mode = Literal["idle", "live", "replay", "collect"]
 StateLock = Literal["auto", "stand", "walk", "sit"]
 TransportAction = Literal["play", "pause", "again", "seek", "step", "speed", "loop"]
-Format = Literal["jsonl", "bvh", "npz", "csv", "pairs", "hdf5", "mcap", "lerobot", "html"]
+Format = Literal["jsonl", "bvh", "npz", "csv", "pairs", "hdf5", "mcap", "lerobot", "html", "takes"]
 Skeleton = Literal["studio", "mediapipe", "k4abt", "kinect2"]
 Point = Sequence[float] | None
 """[x, y, z] m in the axes of the frame's skeleton; None: that joint is not seen."""

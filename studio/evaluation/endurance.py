@@ -44,8 +44,8 @@ CASES: tuple[Case, ...] = (
     Case(source=WALK, holds="heading, within a stride"),
 )
 _FLOW = (
-    "control", "human", "mocap", "reference", "retarget", "rl/noise", "robot", "sim", "synthetic",
-    "geometry", "rhythm", "timing", "metrics", "puppeteer", "evaluation/long_drive",
+    "control", "human", "mocap", "reference", "retarget", "rl/noise", "robot", "scenes", "sim",
+    "synthetic", "geometry", "rhythm", "timing", "metrics", "puppeteer", "evaluation/long_drive",
 )  # fmt: skip
 """What a run depends on, beside the models."""
 

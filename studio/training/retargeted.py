@@ -58,8 +58,8 @@ SECONDS = 26.0
 """Of each person: the way into the state, and two motions of ten seconds."""
 TASK = "retargeted"
 CODE = (
-    "geometry", "rhythm", "timing", "human", "robot", "reference", "sim", "synthetic", "retarget",
-    "control", "sources", "mocap", "puppeteer", "rl/bank", "training/retargeted",
+    "geometry", "rhythm", "timing", "human", "robot", "reference", "scenes", "sim", "synthetic",
+    "retarget", "control", "sources", "mocap", "puppeteer", "rl/bank", "training/retargeted",
 )  # fmt: skip
 """The code that decides what mappers make of people: none of the page's, of takes, of training."""
 
