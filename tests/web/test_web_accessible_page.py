@@ -105,7 +105,7 @@ def test_axe_finds_nothing_while_collecting_and_reviewing(live, served):
     until(live, "() => document.querySelectorAll('.bins i').length > 0")
     find_nothing(live)
     click(live, "#collected li[data-name=example-tilt-and-reach] button")
-    until(live, "() => document.querySelector('#bench-align').textContent")
+    until(live, "() => document.querySelector('#bench-align')?.textContent")
     find_nothing(live)
     click(live, '#bench-keep [data-keep="false"]')
     until(live, "() => document.querySelector('#collected li.rejected')")
@@ -131,7 +131,9 @@ def test_stop_is_the_first_stop_of_the_tab_key_after_the_skip_link(live):
 def test_the_timeline_is_a_slider_that_speaks(live, served):
     click(live, '#mode [data-mode="collect"]')
     click(live, "#collected li[data-name=example-tilt-and-reach] button")
-    until(live, "() => a1studio.state.replay && document.querySelector('#bench-align').textContent")
+    until(
+        live, "() => a1studio.state.replay && document.querySelector('#bench-align')?.textContent"
+    )
     live.focus("#timeline")
     said = "() => document.querySelector('#timeline').getAttribute('aria-valuetext')"
     assert live.evaluate(said).startswith("0.00 of 15.70 seconds")

@@ -75,16 +75,18 @@ def test_takes_are_collected_repaired_learnt_from_and_the_new_mapper_drives(page
     assert trim[0] == 0.0
     assert trim[1] < listed[names[0]]["seconds"] - 0.2
     until(
-        page, "() => a1studio.state.replay?.name && !document.querySelector('#bench-undo').disabled"
+        page,
+        "() => a1studio.state.replay?.name"
+        " && document.querySelector('#bench-undo')?.disabled === false",
     )
     click(page, "#align-accept")
     wait(lambda: client.get(f"/api/takes/{names[0]}").json()["lag"])
     assert client.get(f"/api/takes/{names[0]}").json()["lag"] == pytest.approx(lag, abs=0.05)
-    until(page, "() => /Aligned by/.test(document.querySelector('#bench-align').textContent)")
+    until(page, "() => /Aligned by/.test(document.querySelector('#bench-align')?.textContent)")
 
     # Even out the tempo: either it is, or the page says why not.
     click(page, "#align-warp")
-    bent = "/and warped/.test(document.querySelector('#bench-align').textContent)"
+    bent = "/and warped/.test(document.querySelector('#bench-align')?.textContent)"
     told = "[...document.querySelectorAll('.toast')].some((t) => /lag alone/.test(t.textContent))"
     until(page, f"() => {bent} || {told}")
     assert page.evaluate(f"() => {bent}") == client.get(f"/api/takes/{names[0]}").json()["warped"]

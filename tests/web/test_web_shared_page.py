@@ -136,7 +136,9 @@ def test_a_take_is_filmed_until_it_ends(page, served, tmp_path):
     click(page, '#mode [data-mode="collect"]')
     until(page, "() => document.querySelector('#collected li[data-name]')")
     click(page, f'#collected li[data-name="{TAKE}"] button')
-    until(page, "() => a1studio.state.replay && document.querySelector('#bench-align').textContent")
+    until(
+        page, "() => a1studio.state.replay && document.querySelector('#bench-align')?.textContent"
+    )
     with page.expect_download() as download:
         page.select_option("#bench-export", "film")
     assert download.value.suggested_filename == f"{TAKE}.webm"
