@@ -31,6 +31,8 @@ PUSHES = 0.55
 """m behind the middle of what is pushed: from here on turn little, or it slips off."""
 CROSS = 2.0
 """rad/m: how much a heading is changed for being beside the line along which to push."""
+ASIDE = 0.15
+"""m to a side from which also a few steps are asked to turn."""
 NUDGE_S, LONGER_S = 1.5, 0.3
 """s of a march that is meant as a step; s longer each time that it did not become one."""
 SITS = 0.32
@@ -74,7 +76,9 @@ def approach(
     yield from halt(me)
     seconds = NUDGE_S
     while (left := where()[0] - ahead) > close:
-        yield from wait(seconds, walking(np.array([1.0, 0.0]), SLOW))
+        # Straight on, unless it is well to a side: a few steps asked to turn turn too far.
+        way = where() if abs(where()[1]) > ASIDE else np.array([1.0, 0.0])
+        yield from wait(seconds, walking(way, SLOW))
         yield from halt(me)
         if left - (where()[0] - ahead) < 0.02:
             seconds += LONGER_S
@@ -166,10 +170,10 @@ def push_to(me: ScriptedOperator, name: str, x: float, y: float) -> Meaning:
 
 
 def go_through(me: ScriptedOperator, places: Callable[[ScriptedOperator], list[Array]]) -> Meaning:
-    """Walk through places of the world, each until it is passed."""
+    """Walk through places of the world, along x, each until it is passed."""
     for k in range(len(places(me))):
-        while (ahead := me.sight.to(places(me)[k]))[0] > 0.1:
-            yield walking(ahead, turning=me.sight.turning)
+        while (place := places(me)[k])[0] > me.sight.base[0]:
+            yield walking(me.sight.to(place), turning=me.sight.turning)
 
 
 def past_pole(me: ScriptedOperator, k: int, aside: float) -> Meaning:
