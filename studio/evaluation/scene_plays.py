@@ -31,6 +31,8 @@ PUSHES = 0.55
 """m behind the middle of what is pushed: from here on turn little, or it slips off."""
 CROSS = 2.0
 """rad/m: how much a heading is changed for being beside the line along which to push."""
+CLOSER = 0.03
+"""m that whoever sat too far off goes nearer the next time."""
 ASIDE = 0.15
 """m to a side from which also a few steps are asked to turn."""
 NUDGE_S, LONGER_S = 1.5, 0.3
@@ -146,6 +148,7 @@ def touch_sitting(
                 yield Intent(
                     state="sit", task="sit_manipulate", reach=reach, reach_side=sides, tilt=tilt
                 )
+        ahead -= CLOSER
         yield from wait(4.0)
 
 
@@ -203,7 +206,7 @@ PLAYS: Mapping[str, Mapping[str, Play]] = {
         "reach": partial(touch_sitting, name="high", ahead=-0.12),
     },
     "hardware": {
-        "hit": partial(touch_sitting, name="tennis", ahead=0.03, close=0.05, aside=-0.13),
+        "hit": partial(touch_sitting, name="tennis", ahead=0.02, close=0.04, aside=-0.13),
         "touch": partial(touch_sitting, name="bone", ahead=-0.08),
         "dodge": duck,
     },

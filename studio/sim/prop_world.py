@@ -72,14 +72,14 @@ class PropWorld(World):
 
     def put(self, name: str, pos: ArrayLike) -> None:
         """A prop to (3,) m, at rest and turned as declared: free, hung or fixed."""
-        held, body = self.props[name].held, self.model.body(name)
-        if held == "free":
-            self.throw(name, pos)
-        elif held == "fixed":
+        prop, body = self.props[name], self.model.body(name)
+        if prop.held == "fixed":
             self.data.mocap_pos[body.mocapid[0]] = pos
-        else:
-            self.model.body_pos[body.id] = pos
-        mujoco.mj_kinematics(self.model, self.data)
+            mujoco.mj_kinematics(self.model, self.data)
+            return
+        if prop.held == "hung":
+            self.model.site(f"{name}_top").pos = prop.hook(pos)
+        self.throw(name, pos)
 
     def throw(self, name: str, pos: ArrayLike, lin_vel_w: ArrayLike = (0.0, 0.0, 0.0)) -> None:
         """A free prop goes on from pos (3,) m, turned as declared, with lin_vel_w (3,) m/s."""

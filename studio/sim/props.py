@@ -8,6 +8,7 @@ from typing import Literal
 
 import mujoco
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from studio import geometry
 from studio.sim.spec import ROBOT_BIT, WORLD_BIT
@@ -22,8 +23,9 @@ _KINDS = {
     "capsule": mujoco.mjtGeom.mjGEOM_CAPSULE,
 }
 _SIZES = {"box": 3, "ball": 1, "cylinder": 2, "capsule": 2}
-_SWING_DAMPING = 0.004
-"""N m s/rad at the top of a string: what is touched comes to rest within some seconds."""
+_SWING_DAMPING = [0.03, 0.0002, 0.0]
+"""N s/m and N m s/rad of what hangs: what is touched comes to rest within some seconds."""
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,13 +71,8 @@ class PropShape:
         if self.held == "free":
             body.add_freejoint(name=self.name)
         elif self.held == "hung":
-            top = geometry.quat_rotate_inverse(quat, np.array([0.0, 0.0, self.string]))
-            body.add_joint(
-                name=self.name,
-                type=mujoco.mjtJoint.mjJNT_BALL,
-                pos=top,
-                damping=[_SWING_DAMPING, 0.0, 0.0],
-            )
+            body.add_joint(name=self.name, type=mujoco.mjtJoint.mjJNT_FREE, damping=_SWING_DAMPING)
+            self._tie(spec, body)
         if self.overhang is None:
             self._shape(body, self.size, (0.0, 0.0, 0.0), geometry.IDENTITY_QUAT)
             return
@@ -83,6 +80,22 @@ class PropShape:
         top, foot = (x, y, z - 0.5 * high), (x - by, y - by, 0.5 * high)
         self._shape(body, top, (0.0, 0.0, 0.5 * high), geometry.IDENTITY_QUAT)
         self._shape(body, foot, (0.0, 0.0, 0.5 * high - z), geometry.IDENTITY_QUAT, "_foot")
+
+    def _tie(self, spec: mujoco.MjSpec, body: mujoco.MjsBody) -> None:
+        """A string from above it to its top: it pulls and never pushes, so that what lifts or
+        pushes down the prop meets no more than its weight."""
+        high = self.size[-1]
+        tie = body.add_site(name=f"{self.name}_tie", pos=[0.0, 0.0, high])
+        top = spec.worldbody.add_site(name=f"{self.name}_top", pos=self.hook(self.pos))
+        string = spec.add_tendon(
+            name=self.name, limited=True, range=[0.0, self.string], solref_limit=[0.01, 1.0]
+        )
+        string.wrap_site(top.name)
+        string.wrap_site(tie.name)
+
+    def hook(self, pos: ArrayLike) -> Array:
+        """(3,) m, world: where the string of a hung prop begins whose centre rests at `pos`."""
+        return np.asarray(pos, dtype=np.float64) + [0.0, 0.0, self.size[-1] + self.string]
 
     def _shape(self, body: mujoco.MjsBody, size, pos, quat, part: str = "") -> None:
         meets = {"drawn": (0, 0), "hung": (0, ROBOT_BIT)}

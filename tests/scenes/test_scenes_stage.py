@@ -200,3 +200,25 @@ def test_rough_ground_is_ground_and_a_pole_is_none() -> None:
     assert isinstance(poles, PropWorld)
     ground = [n for n, g in zip(poles._geom_name, poles._geom_ground) if g]
     assert "pole1" not in ground
+
+
+def test_a_string_pulls_and_never_pushes() -> None:
+    ball = PropShape(
+        name="ball", kind="ball", size=(0.04,), pos=(0.0, 1.0, 0.5), held="hung", mass=0.1
+    )
+    world = PropWorld((ball,))
+    for _ in range(30):
+        world.step(STAND)
+    assert world.position("ball") == pytest.approx(ball.pos, abs=2e-3)
+    world.throw("ball", (0.0, 1.0, 0.6))  # lifted, it falls back and is caught
+    world.step(STAND)
+    assert world.position("ball")[2] == pytest.approx(0.6 - 0.5 * 9.81 / 900.0, abs=2e-3)
+    top = ball.hook(ball.pos)
+    for k in range(60):
+        world.step(STAND)
+        tie = world.position("ball") + [0.0, 0.0, 0.04]
+        assert np.linalg.norm(tie - top) < ball.string + 0.02, k
+    world.put("ball", (0.2, 1.0, 0.45))
+    for _ in range(30):
+        world.step(STAND)
+    assert world.position("ball") == pytest.approx([0.2, 1.0, 0.45], abs=5e-3)
