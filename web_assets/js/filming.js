@@ -95,14 +95,17 @@ export class Film {
       if (caption.style.visibility !== "visible") continue;
       const box = caption.getBoundingClientRect();
       const [left, top] = [scale * (box.left - from.left), scale * (box.top - from.top)];
+      const wide = scale * box.width;
+      // The name alone, at the caption's upper edge: the figure is what is filmed.
+      pen.globalAlpha = 0.75;
       pen.fillStyle = color("--panel");
       pen.beginPath();
-      pen.roundRect(left, top, scale * box.width, scale * box.height, 9 * scale);
+      pen.roundRect(left, top, wide, 26 * scale, 9 * scale);
       pen.fill();
+      pen.globalAlpha = 1;
       pen.fillStyle = color("--text");
       const words = $("b", caption).textContent ?? "";
-      const middle = left + (scale * box.width) / 2;
-      pen.fillText(words, middle, top + (scale * box.height) / 2 + 5 * scale, scale * box.width);
+      pen.fillText(words, left + wide / 2, top + 18 * scale, wide - 12 * scale);
     }
   }
 
