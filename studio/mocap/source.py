@@ -89,8 +89,9 @@ class Source(Protocol):
         return
 
     def at(self, t: float) -> HumanPose | None:
-        """The pose at `t` s, whatever was read before; None where nobody was seen."""
-        raise NotImplementedError(f"{self.name} is not seekable")
+        """The pose at `t` s, whatever was read before; None where nobody was seen. StudioError
+        for a source that is not `seekable`."""
+        raise StudioError(f"{self.name} has no other times to go to: open a file or a take")
 
     def set_intent(self, intent: Intent) -> None:
         """From now on the person means this, if somebody else says what they mean."""

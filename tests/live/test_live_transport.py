@@ -122,7 +122,7 @@ def clip_of(task: str, seconds: float, seed: int = 0) -> HumanClip:
     poses = [pose for pose in read if pose is not None]
     return HumanClip(
         name="bvh:clip.bvh",
-        t=np.arange(len(poses)) * DT,
+        t=np.arange(len(poses), dtype=np.float64) * DT,
         joint_pos_w=np.stack([pose.joint_pos_w for pose in poses]),
         confidence=np.stack([pose.confidence for pose in poses]),
     )
