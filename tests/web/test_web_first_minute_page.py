@@ -125,6 +125,7 @@ def test_everything_the_page_can_do_is_found_by_typing(served, browsing):
         until(page, "() => !document.querySelector('#palette').open")
 
 
+@pytest.mark.long
 def test_a_hidden_figure_and_its_name_are_gone_until_it_is_shown_again(served, browsing):
     count = """() => Object.entries(
       document.querySelector('#view').contentWindow.__viserMutable.nodeRefFromName
