@@ -95,6 +95,7 @@ def test_the_palette_and_the_keys_play_too(sample, served):
     until(page, f"() => {PLAYED}.playing && {PLAYED}.position_s < 8")
     served.client.post("/api/source", json={"source": "operator:quiet"})
     until(page, "() => document.querySelector('#transport').hidden")
+    until(page, "() => document.querySelector('#toasts').textContent === ''")  # of the sample
     page.keyboard.press("p")  # of no use, and no complaint
     assert page.evaluate("() => document.querySelector('#toasts').textContent") == ""
 
