@@ -88,6 +88,13 @@ def test_a_folder_without_labels_is_refused(tmp_path: Path):
         run_people(Options(clips=tmp_path))
 
 
+@pytest.fixture(scope="module")
+def driven(clips: Path) -> dict[str, dict]:
+    """Rows by clip, driven by the policy as a person's robot is."""
+    rows = run_people(Options(clips=clips, controller="policy"))["rows"]
+    return {row["case"]: row for row in rows if row["case"] != "all"}
+
+
 @pytest.mark.slow
 def test_shipped_experts_meet_the_goals_on_real_people(table: dict[str, dict]):
     assert table["all"]["right_share"] >= GOAL_OVERALL
@@ -110,4 +117,10 @@ def test_real_people_tilt_lift_and_squat_the_robot(table: dict[str, dict]):
         assert row["base_drop_m"] >= DROP_M or row["expert_share"]["sit"] > 0.2, name
     march = table["cmu_13_29_march_in_place.bvh"]
     assert march["reference"]["distance_m"] > 0.5
-    assert sum(row["survived"] for row in table.values()) >= len(table) - 1
+
+
+@pytest.mark.slow
+def test_the_policy_survives_every_real_person(driven: dict[str, dict]):
+    # PD playback does not: on three legs it tips over at the touch of the toes.
+    assert len(driven) >= 10
+    assert [name for name, row in driven.items() if not row["survived"]] == []
