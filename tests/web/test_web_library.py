@@ -14,9 +14,16 @@ from studio.takes.names import RESERVED
 NAMES = ("shelf-a", "shelf-b", "shelf-c")
 
 
+def empty_the_bin(client) -> None:
+    places = [one["place"] for one in client.get("/api/bin").json()["takes"]]
+    client.post("/api/bin", json={"places": places, "action": "delete"})
+    assert client.get("/api/bin").json() == {"bytes": 0, "takes": []}
+
+
 @pytest.fixture
 def shelf(studio_live, tmp_path):
     """Three takes of the running studio; whatever becomes of them, they are gone afterwards."""
+    empty_the_bin(studio_live.client)  # of what tests before have deleted
     for i, name in enumerate(NAMES):
         # Recorded elsewhere: the studio keeps its own folder to itself once it has recorded there.
         record(acted_take("tilt", default_rng(i), seconds=3.0), tmp_path, name)
@@ -24,9 +31,7 @@ def shelf(studio_live, tmp_path):
     yield studio_live.client
     client = studio_live.client
     client.post("/api/takes/many", json={"names": NAMES, "action": "delete"})
-    places = [one["place"] for one in client.get("/api/bin").json()["takes"]]
-    client.post("/api/bin", json={"places": places, "action": "delete"})
-    assert client.get("/api/bin").json() == {"bytes": 0, "takes": []}
+    empty_the_bin(client)
 
 
 def ended(client) -> dict:
