@@ -102,8 +102,8 @@ class Seen:
             return None
         return Replay(
             name=replay.name,
-            t=round(replay.t, 3),
-            seconds=round(replay.seconds, 3),
+            t=round(replay.place, 3),
+            seconds=round(replay.length, 3),
             playing=replay.playing,
             speed=replay.speed,
             loop=replay.loop,

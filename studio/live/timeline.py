@@ -1,32 +1,25 @@
 """Where a source of known length is played: one clock that is paused, moved, sped up, looped."""
 
-import numpy as np
-
-from studio.errors import StudioError
+from studio.live.playhead import EPS, Playhead
 from studio.robot.a1 import CONTROL_DT
 
-SPEEDS = (0.1, 2.0)
-"""Slowest and fastest, times real time: few people move faster than twice as fast."""
 TOLERANCE = 0.5 * CONTROL_DT
 """s: nearer to its end a clip is over, as sources say it (`mocap.clip_source`)."""
 JUMP = 0.1
 """s: who is taken further than this has moved as nobody moves."""
-_EPS = 1e-9
 
 
-class Timeline:
-    """Remembers the place in a source. Only the loop's thread calls it.
+class Timeline(Playhead):
+    """Remembers the place in a source; a stop holds it, whether it is asked to play or not.
 
-    length, place: s. playing: what was asked for; a stop holds it all the same. speed: times real
-    time. moved: it was not played straight on, so that the source's own order tells nothing.
-    ended: nothing more will come. The fields are read by others, and set here.
+    moved: it was not played straight on, so that the source's own order tells nothing. ended:
+    nothing more will come.
     """
 
-    start = 0.0
+    speeds = (0.1, 2.0)  # few people move faster than twice as fast
 
     def __init__(self, length: float) -> None:
-        self.length, self.place = length, 0.0
-        self.playing, self.loop, self.speed = True, False, 1.0
+        super().__init__(length)
         self.moved = self.ended = False
         self._held = self._jumped = self._still = False
         self._t = 0.0
@@ -56,10 +49,10 @@ class Timeline:
             self.place = min(t, self.length)
         elif not still:
             self.place = min(self.place + self.speed * dt, self.length)
-        if not self._over:
+        if not self.over:
             return
         if self.loop and loops and not still:
-            self._go(self.start)
+            self.go(self.start)
         elif self.moved:  # else the source says so
             self.end()
 
@@ -70,25 +63,9 @@ class Timeline:
         speed: float | None = None,
         loop: bool | None = None,
     ) -> None:
-        """Go to `t` s, play or pause, at a speed (0.1 to 2), again and again.
-
-        What is over is played from its start. StudioError for another speed, and then nothing
-        changes.
-        """
-        if speed is not None:
-            if not SPEEDS[0] - _EPS <= speed <= SPEEDS[1] + _EPS:
-                raise StudioError(
-                    f"speed must be between {SPEEDS[0]:g} and {SPEEDS[1]:g}, not {speed}"
-                )
-            self.speed, self.moved = speed, True
-        if loop is not None:
-            self.loop = loop
-        if t is not None:
-            self._go(t)
-        if playing is not None:
-            if playing and self._over:
-                self._go(self.start)
-            self.playing = playing
+        """As every playhead; at another speed it is not played straight on."""
+        super().seek(t, playing, speed, loop)
+        self.moved |= speed is not None
 
     def end(self) -> None:
         """Nothing more will come until it is moved."""
@@ -101,10 +78,13 @@ class Timeline:
         return jumped
 
     @property
-    def _over(self) -> bool:
-        return self.place + TOLERANCE >= self.length - _EPS
+    def over(self) -> bool:
+        """It is as near to its end as a source that says so."""
+        return self.place + TOLERANCE >= self.length - EPS
 
-    def _go(self, place: float) -> None:
-        place = float(np.clip(place, 0.0, self.length))
-        self._jumped |= abs(place - self.place) > JUMP
-        self.place, self.moved, self.ended = place, True, False
+    def go(self, place: float) -> None:
+        """To this place, s; what has ended goes on."""
+        before = self.place
+        super().go(place)
+        self._jumped |= abs(self.place - before) > JUMP
+        self.moved, self.ended = True, False

@@ -6,7 +6,7 @@ from pydantic import Field, StrictBool
 
 from studio.errors import StudioError
 from studio.live.command import Body, Command, Made, Number
-from studio.live.replay import SPEEDS, Replay, open_review
+from studio.live.replay import Replay, open_review
 
 if TYPE_CHECKING:
     from studio.live.runtime import Runtime
@@ -59,7 +59,7 @@ class Seeking(Body):
 
     t: Number | None = None
     playing: StrictBool | None = None
-    speed: Number | None = Field(default=None, ge=SPEEDS[0], le=SPEEDS[1])
+    speed: Number | None = Field(default=None, ge=Replay.speeds[0], le=Replay.speeds[1])
     loop: StrictBool | None = None
 
     def seek(self, replay: Replay) -> None:

@@ -9,7 +9,7 @@ from studio.errors import StudioError
 from studio.live.command import Command, Made, Number, OneOf
 from studio.live.replay import Replay
 from studio.live.state_parts import Played
-from studio.live.timeline import SPEEDS, Timeline
+from studio.live.timeline import Timeline
 from studio.robot.a1 import CONTROL_DT
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ class Transport(Command):
     position_s: Number | None = None
     frames: StrictInt | None = Field(default=None, ge=-1000, le=1000)
     on: StrictBool | None = None
-    speed: Number | None = Field(default=None, ge=SPEEDS[0], le=SPEEDS[1])
+    speed: Number | None = Field(default=None, ge=Timeline.speeds[0], le=Timeline.speeds[1])
 
     @model_validator(mode="after")
     def _says_what_it_needs(self) -> "Transport":
