@@ -5,9 +5,10 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import axe
 import httpx
 import pytest
-from browsing import PATIENCE, chromium
+from browsing import PATIENCE, chromium, drawn
 
 from studio.options import ServeConfig
 from studio.web.serve import studio
@@ -107,6 +108,14 @@ def browsing():
     """A Chromium for the tests of one file; `browsing.page` gives a page."""
     with chromium() as browsing:
         yield browsing
+
+
+@pytest.fixture(scope="module")
+def page(browsing, served):
+    """The page, of the file's own `served`, of somebody who wants no animation; axe in it."""
+    with browsing.page(served, 1300, 800, reduced_motion="reduce") as page:
+        axe.put_into(drawn(page))
+        yield page
 
 
 @pytest.fixture(autouse=True)

@@ -3,50 +3,23 @@
 import shutil
 
 import pytest
-from browsing import click, drawn, until
+from axe import find_nothing
+from browsing import click, until
 from served import Served
 
 from studio.paths import package_folder
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
-WEB = package_folder("web_assets")
-AXE = WEB / "node_modules/axe-core/axe.min.js"
-"""Of the development packages: nothing of it is served."""
-# viser's own frame is not ours to mend. Without preload: it would write styles into the page.
-SETTLED = """async () => {
-  const frame = () => new Promise(requestAnimationFrame);
-  // What a closed panel hides stays among the animations, finished, for good.
-  const colour = (a) => a instanceof CSSTransition && a.playState === 'running'
-    && a.transitionProperty.includes('color');
-  const fading = () => document.getAnimations().some(colour); // bars move with every tick
-  for (let quiet = 0; quiet < 3; quiet = fading() ? 0 : quiet + 1) await frame();
-}"""
-FOUND = """async () => {
-  const options = { preload: false, resultTypes: ['violations'] };
-  const { violations } = await axe.run({ exclude: [['#view']] }, options);
-  return violations.flatMap(({ id, nodes }) => nodes.map(({ html, any, all, none }) =>
-    `${id}: ${[...any, ...all, ...none][0]?.message} in ${html.slice(0, 200)}`));
-}"""
-
 
 @pytest.fixture(scope="module")
 def served(tmp_path_factory):
     """A studio with the two example takes."""
     sessions = tmp_path_factory.mktemp("root") / "sessions"
-    shutil.copytree(WEB.parent / "sessions", sessions)
+    shutil.copytree(package_folder("web_assets").parent / "sessions", sessions)
     served = Served(sessions, "--source", "operator:quiet")
     yield served
     served.end_well()
-
-
-@pytest.fixture(scope="module")
-def page(browsing, served):
-    """The page of somebody who wants no animation, axe in it."""
-    with browsing.page(served, 1300, 800, reduced_motion="reduce") as page:
-        drawn(page)
-        page.evaluate(AXE.read_text("utf-8"))
-        yield page
 
 
 @pytest.fixture
@@ -60,15 +33,6 @@ def live(page, served):
     post("/api/mode", json={"mode": "live"})
     until(page, "() => a1studio.state.mode === 'live' && !a1studio.state.stopped")
     return page
-
-
-def find_nothing(page) -> None:
-    """axe has nothing to say, in the dark nor in the light."""
-    for theme in ("dark", "light"):
-        if page.evaluate("() => document.documentElement.dataset.theme") != theme:
-            click(page, "#theme")
-        page.evaluate(SETTLED)  # a colour on its way is none of ours
-        assert page.evaluate(FOUND) == [], theme
 
 
 def test_axe_finds_nothing_in_the_panels_for_driving(live, served):

@@ -5,10 +5,10 @@ import zipfile
 
 import pytest
 from acted_takes import acted_take, record
-from browsing import click, drawn, until
+from axe import find_nothing
+from browsing import click, until
 from numpy.random import default_rng
 from served import Served
-from test_web_accessible_page import AXE, find_nothing
 
 from studio.paths import package_folder
 from studio.takes.sessions import SessionBook
@@ -40,15 +40,6 @@ def served(tmp_path_factory):
     served = Served(sessions, "--source", "operator:quiet")
     yield served
     served.end_well()
-
-
-@pytest.fixture(scope="module")
-def page(browsing, served):
-    """The page of somebody who wants no animation, axe in it."""
-    with browsing.page(served, 1300, 800, reduced_motion="reduce") as page:
-        drawn(page)
-        page.evaluate(AXE.read_text("utf-8"))
-        yield page
 
 
 @pytest.fixture
