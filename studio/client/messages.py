@@ -86,6 +86,7 @@ class State(TypedDict):
     source_report: dict[str, Any]
     scene: str
     progress: dict[str, Any]
+    props: dict[str, list[float]]
     latency_ms: dict[str, float]
     counters: dict[str, int]
     robot: Pose

@@ -18,6 +18,8 @@ from studio.live.source_reader import OpenedSource, ReplacedSource, SourceReader
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.robot.pose import ReferencePose
+from studio.scenes.scene import Scene
+from studio.sim.prop_world import PropPoses
 from studio.sources import Source
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
@@ -61,6 +63,7 @@ class Runtime:
         self.replaced = ReplacedSource()
         self.last_take: str | None = None
         self.reason: Reason = ""  # for the last tick's `why`
+        self.props: tuple[Scene, PropPoses] | None = None  # beside the last tick's robot
         self._replayed = 0
 
     @property
@@ -99,6 +102,7 @@ class Runtime:
 
     def step(self, now: float) -> Tick:
         """Read the source, drive the robot (or replay), record. `now`: s on the loop's clock."""
+        self.props = None
         if self.mode == "replay" and self.replay is not None:
             tick = self.replay.step()
             self._replayed += tick.human_fresh
@@ -122,6 +126,9 @@ class Runtime:
             self.safety.stop(f"a fault: {error}", "fault")
             self.puppeteer.place("stand")
             raise
+        stage = self.puppeteer.stage
+        if (poses := stage.prop_poses()) is not None:
+            self.props = stage.scene, poses
         self.reason = self.puppeteer.reason
         if tick.fallen and not self.safety.stopped:
             self.safety.fall(now, demo=self._demo)

@@ -95,6 +95,15 @@ class Seen:
         name = self.runtime.recorder.recording
         return None if name is None else Recording(name=name, ticks=self.runtime.recorder.ticks)
 
+    def props(self) -> dict[str, list[float]]:
+        """Of each prop that has a body: x, y, z (m), and its orientation (wxyz), world."""
+        shown = self.runtime.props
+        if shown is None:
+            return {}
+        scene, at = shown
+        rows = np.concatenate([at.pos, at.quat], axis=1).round(4).tolist()
+        return dict(zip((prop.name for prop in scene.bodied), rows, strict=True))
+
     def replay(self) -> Replay | None:
         """The take being shown."""
         replay = self.runtime.replay
@@ -145,6 +154,7 @@ KEYS: dict[str, Key] = {
     "source_report": Key(SourceReport, Seen.source_report),
     "scene": Key(str, lambda seen: seen.runtime.puppeteer.stage.name),
     "progress": Key(Progress, lambda seen: seen.runtime.puppeteer.stage.progress()),
+    "props": Key(dict[str, list[float]], Seen.props),
     "latency_ms": Key(dict[str, float], lambda seen: seen.tick_message["timings_ms"]),
     "period_error_ms": Key(dict[str, float], Seen.punctuality),
     "robot": Key(Pose, lambda seen: part("robot", seen.tick.robot, "trace")),

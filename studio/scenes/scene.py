@@ -78,3 +78,8 @@ class Scene:
     start: tuple[float, float, float] = (0.0, 0.0, 0.0)
     avoid: tuple[str, ...] = ()
     scatter: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+
+    @property
+    def bodied(self) -> tuple[PropShape, ...]:
+        """The props that have bodies of their own, and may be elsewhere than declared."""
+        return tuple(prop for prop in self.props if prop.bodied)

@@ -12,7 +12,7 @@ from studio.robot.pose import RobotPose, RobotState
 from studio.scenes.registry import scene as scene_of
 from studio.scenes.scene import Seen, Step
 from studio.scenes.thrower import Thrower
-from studio.sim.prop_world import PropWorld
+from studio.sim.prop_world import PropPoses, PropWorld
 from studio.sim.world import World
 
 Array = NDArray[np.float64]
@@ -94,6 +94,10 @@ class Stage:
             if self.step_now is not None and self.failed is None:
                 self._play(self.world, self.step_now, self.seen)
         return state
+
+    def prop_poses(self) -> PropPoses | None:
+        """Where props are; None without any. Of the thread that steps."""
+        return self.world.poses() if isinstance(self.world, PropWorld) else None
 
     def move_robot(self, base_xy: Array, yaw: float) -> RobotState:
         """The robot goes on at (2,) m, heading yaw rad; among props it stays where it is."""

@@ -1,6 +1,7 @@
 """A World with props: where each is, what touched it, and how to throw one."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import mujoco
 import numpy as np
@@ -14,6 +15,19 @@ from studio.sim.world import World, WorldConfig
 Array = NDArray[np.float64]
 NEAR = 1e-3
 """m: what is nearer touches, as for the robot's own contacts."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PropPoses:
+    """Where the props are that have bodies of their own (`PropShape.bodied`), in their order.
+
+    pos (n, 3) m, quat (n, 4) wxyz, world. hooks (n, 3) m: where the string of each begins; the
+    prop's own place for what does not hang.
+    """
+
+    pos: Array
+    quat: Array
+    hooks: Array
 
 
 class PropWorld(World):
@@ -40,6 +54,12 @@ class PropWorld(World):
         body = [model.body(int(b)).name for b in model.geom_bodyid]
         self._geom_name = [b if b in props else model.geom(i).name for i, b in enumerate(body)]
         self._geom_told = np.array([b in props for b in body])
+        bodied = [prop for prop in props.values() if prop.bodied]
+        hung = [prop.held == "hung" for prop in bodied]
+        self._bodies = np.array([model.body(p.name).id for p in bodied], dtype=np.intp)
+        self._hung = np.flatnonzero(hung)
+        tops = [model.site(f"{bodied[k].name}_top").id for k in self._hung]
+        self._tops = np.array(tops, dtype=np.intp)
         self._geom_ground = np.array([b == "world" for b in body])
 
     def reset(self, pose: RobotPose | None = None) -> RobotState:
@@ -66,9 +86,16 @@ class PropWorld(World):
 
     def position(self, name: str) -> Array:
         """(3,) m, world: the centre of a prop."""
-        if self.props[name].held in ("ground", "drawn"):
+        if not self.props[name].bodied:
             return self.data.geom(name).xpos.copy()
         return self.data.body(name).xpos.copy()
+
+    def poses(self) -> PropPoses:
+        """Of those that have bodies, now; arrays of its own."""
+        pos = self.data.xpos[self._bodies]
+        hooks = pos.copy()
+        hooks[self._hung] = self.model.site_pos[self._tops]
+        return PropPoses(pos=pos, quat=self.data.xquat[self._bodies], hooks=hooks)
 
     def put(self, name: str, pos: ArrayLike) -> None:
         """A prop to (3,) m, at rest and turned as declared: free, hung or fixed."""

@@ -59,10 +59,15 @@ class PropShape:
     def __post_init__(self) -> None:
         assert len(self.size) == _SIZES[self.kind], (self.name, self.kind, self.size)
 
+    @property
+    def bodied(self) -> bool:
+        """A body of its own: it may be elsewhere than declared."""
+        return self.held not in ("ground", "drawn")
+
     def __call__(self, spec: mujoco.MjSpec) -> None:
         """Add it to the world."""
         quat = geometry.quat_from_rpy(self.rpy)
-        if self.held in ("ground", "drawn"):
+        if not self.bodied:
             self._shape(spec.worldbody, self.size, self.pos, quat)
             return
         # What is fixed is "mocap" to MuJoCo, or it would become part of the ground when compiled.
@@ -73,13 +78,16 @@ class PropShape:
         elif self.held == "hung":
             body.add_joint(name=self.name, type=mujoco.mjtJoint.mjJNT_FREE, damping=_SWING_DAMPING)
             self._tie(spec, body)
+        for part, (size, up) in zip(("", "_foot"), self.parts(), strict=False):
+            self._shape(body, size, (0.0, 0.0, up), geometry.IDENTITY_QUAT, part)
+
+    def parts(self) -> list[tuple[tuple[float, ...], float]]:
+        """What it is made of, all of its kind: (size, m above its centre)."""
         if self.overhang is None:
-            self._shape(body, self.size, (0.0, 0.0, 0.0), geometry.IDENTITY_QUAT)
-            return
+            return [(self.size, 0.0)]
         (x, y, z), (by, high) = self.size, self.overhang
         top, foot = (x, y, z - 0.5 * high), (x - by, y - by, 0.5 * high)
-        self._shape(body, top, (0.0, 0.0, 0.5 * high), geometry.IDENTITY_QUAT)
-        self._shape(body, foot, (0.0, 0.0, 0.5 * high - z), geometry.IDENTITY_QUAT, "_foot")
+        return [(top, 0.5 * high), (foot, 0.5 * high - z)]
 
     def _tie(self, spec: mujoco.MjSpec, body: mujoco.MjsBody) -> None:
         """A string from above it to its top: it pulls and never pushes, so that what lifts or

@@ -16,6 +16,13 @@ HUMAN_COLUMN = np.array([0.0, -0.86, 0.0])
 REFERENCE_COLUMN = np.array([0.0, 0.0, 0.0])
 ROBOT_COLUMN = np.array([0.0, 0.82, 0.0])
 """Origins of the three figures in the view, m: seen from the front, left to right."""
+COLUMNS = {"human": HUMAN_COLUMN, "reference": REFERENCE_COLUMN, "robot": ROBOT_COLUMN}
+WIDE_COLUMNS = {
+    "human": np.array([0.0, -1.35, 0.0]),
+    "reference": np.array([0.0, -0.6, 0.0]),
+    "robot": np.array([0.0, 0.9, 0.0]),
+}
+"""The same beside props, which need a lane of their own around the robot."""
 HUMAN_SCALE = 0.56
 """The person is drawn smaller: beside a robot 0.3 m high, at full size they fill the view."""
 SOLE = 0.035

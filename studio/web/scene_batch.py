@@ -35,19 +35,25 @@ class Batch:
         color: ArrayLike,
         *,
         scaled: bool = False,
+        scales: ArrayLike | None = None,
         opacity: float | None = None,
+        opacities: ArrayLike | None = None,
         shadow: bool = True,
     ) -> None:
-        """color: sRGB, (3,) or (n, 3). scaled: `move` will give scales too."""
+        """color: sRGB, (3,) or (n, 3). scaled: `move` will give scales too. scales (n, 3): for
+        good. opacities: (n,), and `move` will give them too."""
+        if scaled:
+            scales = np.full((n, 3), HIDDEN)
         handle = scene.add_batched_meshes_simple(
             name,
             mesh.vertices,
             mesh.faces,
             np.tile([1.0, 0.0, 0.0, 0.0], (n, 1)),
             np.tile([0.0, 0.0, -50.0], (n, 1)),
-            batched_scales=np.full((n, 3), HIDDEN) if scaled else None,
+            batched_scales=None if scales is None else np.asarray(scales),
             batched_colors=linear(color),
             opacity=opacity,
+            batched_opacities=None if opacities is None else np.asarray(opacities),
             lod="off",
             cast_shadow=shadow,
         )
@@ -60,8 +66,10 @@ class Batch:
         wxyz: ArrayLike | None = None,
         scale: ArrayLike | None = None,
         color: ArrayLike | None = None,
+        opacity: ArrayLike | None = None,
     ) -> None:
-        """position (n, 3) m, wxyz (n, 4), scale (n, 3), color (n, 3) sRGB: always the same set."""
+        """position (n, 3) m, wxyz (n, 4), scale (n, 3), color (n, 3) sRGB, opacity (n,): always the
+        same set."""
         updates: dict[str, NDArray] = {"batched_positions": np.array(position, dtype=np.float32)}
         if wxyz is not None:
             updates["batched_wxyzs"] = np.array(wxyz, dtype=np.float32)
@@ -69,4 +77,6 @@ class Batch:
             updates["batched_scales"] = np.array(scale, dtype=np.float32)
         if color is not None:
             updates["batched_colors"] = linear(color)
+        if opacity is not None:
+            updates["batched_opacities"] = np.array(opacity, dtype=np.float32)
         self._scene._queue_scene_message(_messages.SceneNodeUpdateMessage(self.name, updates))

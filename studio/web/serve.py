@@ -121,7 +121,11 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
         loop = LiveLoop(runtime)
         inner = GuardedViser()
         stack.callback(inner.stop)
-        scene = StudioScene(inner.server, lambda: loop.runtime.puppeteer.config.mirror)
+        scene = StudioScene(
+            inner.server,
+            lambda: loop.runtime.puppeteer.config.mirror,
+            lambda: loop.runtime.props,
+        )
         view, feed = View(scene, loop.ticks), TickFeed(loop.ticks)
         stack.callback(view.stop)
         supervisor = Supervisor(loop, {"view": view, "feed": feed})

@@ -81,6 +81,50 @@ def disc_mesh() -> Mesh:
     return revolved([(1.0, 0.0), (1.0, 0.02)], 24)
 
 
+def box_mesh() -> Mesh:
+    """A cube with half edges of 1, its faces apart so that its edges are sharp."""
+    corners, faces = [], []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            a, b = np.roll(np.eye(3), axis, axis=1)[1:]
+            middle = side * np.roll(np.eye(3), axis, axis=1)[0]
+            n = len(corners)
+            corners += [middle - a - b, middle + a - b, middle + a + b, middle - a + b]
+            quad = [n, n + 1, n + 2, n + 3][:: int(side)]
+            faces += [quad[:3], [quad[0], quad[2], quad[3]]]
+    return Mesh(
+        vertices=np.array(corners, dtype=np.float32), faces=np.array(faces, dtype=np.uint32)
+    )
+
+
+def cylinder_mesh() -> Mesh:
+    """Along z from -1 to 1 with radius 1; rings twice, so that its rims are sharp."""
+    return revolved([(1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (1.0, 1.0)], 24)
+
+
+def rod_mesh() -> Mesh:
+    """Along z from 0 to 1 with radius 1, seen as a thread."""
+    return revolved([(1.0, 0.0), (1.0, 1.0)], 5)
+
+
+def capsule_mesh(radius: float, half: float) -> Mesh:
+    """Along z, its caps' centres at -half and half, m."""
+    theta = np.linspace(-0.5 * np.pi, 0.5 * np.pi, 10)
+    profile = [
+        (radius * float(np.cos(t)), radius * float(np.sin(t)) + half * float(np.sign(t)))
+        for t in theta[1:-1]
+    ]
+    mesh = revolved(profile, 14)
+    mesh.vertices[-2], mesh.vertices[-1] = (0, 0, -half - radius), (0, 0, half + radius)
+    return mesh
+
+
+def quat_along(direction: Array) -> Array:
+    """(n, 4) wxyz that turn z along directions (n, 3), none of them straight down."""
+    x, y, z = geometry.normalize(direction).T
+    return geometry.normalize(np.stack([1.0 + z, -y, x, np.zeros_like(x)], axis=-1))
+
+
 def bone_transforms(joint_pos: Array) -> tuple[Array, Array, Array]:
     """Position (18, 3), wxyz (18, 4) and scale (18, 3) of each bone for joints (19, 3), m.
 

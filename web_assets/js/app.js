@@ -204,6 +204,7 @@ ticks((tick) => {
 /** @param {State} state */
 function drawState(state) {
   drawStatus(state, api.page);
+  view.beside(Object.keys(state.props).length > 0);
   drawControl(state);
   drawStyle(state);
   controls.draw(state);

@@ -20,10 +20,19 @@ const FOOT = 70;
 /** px between captions, and between one and what stands at the view's edges. */
 const GAP = 4;
 
-/** Eye and target (m) of a camera in a view of that aspect. */
-export function stand(/** @type {CameraName} */ name, /** @type {number} */ aspect) {
+/** The figures stand that much wider beside props. */
+const APART = 1.35;
+
+/**
+ * Eye and target (m) of a camera in a view of that aspect.
+ *
+ * @param {CameraName} name
+ * @param {number} aspect
+ * @param {boolean} [props] whether the figures stand beside props
+ */
+export function stand(name, aspect, props = false) {
   const { from, at } = CAMERAS[name];
-  const back = Math.max(1, WIDE / aspect);
+  const back = Math.max(1, WIDE / aspect) * (props ? APART : 1);
   return { eye: at.map((c, i) => c + back * from[i]), at };
 }
 

@@ -24,6 +24,7 @@ export class View {
   /** @type {CameraName} */
   #camera = "front";
   #connected = false;
+  #props = false;
   /** Whether the processor draws, and the captions need not follow any faster than that. */
   #spared = false;
   /** Names of the figures that are not shown, remembered. */
@@ -104,12 +105,20 @@ export class View {
     if (root) root.dataset.theme = document.documentElement.dataset.theme;
   }
 
+  /** Whether there are props, beside which the figures stand wider. @param {boolean} props */
+  beside(props) {
+    if (props === this.#props) return;
+    this.#props = props;
+    this.look(this.#camera);
+  }
+
   /** @param {CameraName} name @param {boolean} [glide] */
   look(name, glide = true) {
     const viser = this.#inside;
     if (!viser?.cameraControl) return;
     this.#camera = name;
-    const { eye, at } = stand(name, this.#frame.clientWidth / this.#frame.clientHeight);
+    const aspect = this.#frame.clientWidth / this.#frame.clientHeight;
+    const { eye, at } = stand(name, aspect, this.#props);
     const [from, to] = [eye, at].map((point) => toThree(viser, point));
     viser.cameraControl.setLookAt(from.x, from.y, from.z, to.x, to.y, to.z, glide && !calm());
     viser.requestRender();

@@ -1815,6 +1815,10 @@ export interface components {
             /** Scene */
             scene: string;
             progress: components["schemas"]["Progress"];
+            /** Props */
+            props: {
+                [key: string]: number[];
+            };
             /** Latency Ms */
             latency_ms: {
                 [key: string]: number;
@@ -2440,6 +2444,10 @@ export interface components {
             /** Scene */
             scene: string;
             progress: components["schemas"]["Progress"];
+            /** Props */
+            props: {
+                [key: string]: number[];
+            };
             /** Latency Ms */
             latency_ms: {
                 [key: string]: number;
@@ -2910,6 +2918,10 @@ export interface components {
             /** Scene */
             scene: string;
             progress: components["schemas"]["Progress"];
+            /** Props */
+            props: {
+                [key: string]: number[];
+            };
             /** Latency Ms */
             latency_ms: {
                 [key: string]: number;
