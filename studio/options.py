@@ -43,6 +43,11 @@ class ServeConfig:
     """Certificate (PEM, with its chain): serve https. Needs --key."""
     key: Path | None = None
     """The certificate's private key (PEM)."""
+    phone: str | None = None
+    """Take a phone's camera: also serve https, to invited phones alone, on this address of this
+    machine, or `auto` (docs/remote.md)."""
+    phone_port: int = 8443
+    """Its port; 0 takes a free one."""
     seed: int = 0
     """Of the synthetic operator."""
     style: Style = "march"

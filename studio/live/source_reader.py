@@ -62,6 +62,7 @@ class SourceReader:
 
     def _set(self, source: Source, since: float | None) -> None:
         self.source, self._from = source, since  # the loop's time at the source's start
+        self._read = 0.0  # s since its start when it was last read
         self._ended, self._stamp = False, -TOLERANCE  # s of the last pose given
         self.timeline: Timeline | None = None
         if source.seekable:
@@ -95,7 +96,7 @@ class SourceReader:
 
     def played(self, now: float) -> float:
         """s since the source began."""
-        return 0.0 if self._from is None else now - self._from
+        return self._read if self._from is None else max(now - self._from, self._read)
 
     def slip(self, seconds: float) -> None:
         """The loop dropped periods: a file or the operator waits for the robot.
@@ -137,15 +138,18 @@ class SourceReader:
         """
         if self._from is None:
             self._from = now
+        # What was read in a late period, before `slip` heard of it, is not taken back.
+        self._read = self.played(now)
         if self.timeline is not None:
-            away = self.played(now) - self.timeline.passed
+            away = self._read - self.timeline.passed
             if away > AWAY:  # nobody read it meanwhile, as while a take is replayed: it waited
                 self.slip(away)
-            self.timeline.advance(self.played(now), held=held, waits=waits, loops=loops)
+                self._read = self.timeline.passed
+            self.timeline.advance(self._read, held=held, waits=waits, loops=loops)
         if self.ended:
             return None
         try:
-            return self._pose(now - self._from)
+            return self._pose(self._read)
         except SourceEnded:
             self._ended = self.timeline is None
             if self.timeline is not None:

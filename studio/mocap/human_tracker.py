@@ -48,7 +48,8 @@ class HumanTracker:
         fresh = human is not None and self._believed(human)
         if fresh:
             assert human is not None
-            self.last, self.age, self.t = human, 0.0, human.t
+            # Time runs on where none came, and is not taken back by one that is a little late.
+            self.last, self.age, self.t = human, 0.0, max(self.t, human.t)
         self.counters["stale"] += bool(not fresh and self._stale < self.age < np.inf)
         return fresh
 

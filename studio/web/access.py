@@ -6,17 +6,14 @@ that rebinds its name to 127.0.0.1 can send any header but these.
 """
 
 import hmac
-import ipaddress
-import re
-from collections.abc import Iterable
 from dataclasses import dataclass
 from html import escape
 from urllib.parse import parse_qs, urlsplit
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from studio.errors import StudioError
 from studio.web.client_limits import RequestLimiter
+from studio.web.hosts import EVERYWHERE, LOOPBACK_HOSTS, bracketed, split_host
 from studio.web.refusals import (
     SIGN_IN_HEADERS,
     refuse,
@@ -30,10 +27,6 @@ AT_ONCE = frozenset({"/api/stop"})
 """What never waits for a turn."""
 PAGES = frozenset({"/", "/camera"})
 """What a person opens, with the token in the query the first time."""
-LOOPBACK_HOSTS = frozenset({"127.0.0.1", "localhost", "[::1]"})
-EVERYWHERE = frozenset({"0.0.0.0", "::"})
-"""What to listen on for every network this machine is in."""
-_NAME = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,41 +60,6 @@ class AccessConfig:
         return f"http{'s' if self.secure else ''}://{bracketed(name)}:{self.port}/"
 
 
-def bracketed(host: str) -> str:
-    """A host as a URL has it: IPv6 addresses in brackets."""
-    return f"[{host}]" if ":" in host and not host.startswith("[") else host
-
-
-def checked_names(names: Iterable[str]) -> tuple[str, ...]:
-    """Names fit for a Host header; StudioError for a URL, a port, a wildcard."""
-    for name in names:
-        bare = name.removeprefix("[").removesuffix("]")
-        if not (_NAME.fullmatch(name) or (":" in bare and _is_address(bare))):
-            raise StudioError(
-                "--allow-host takes a bare name or address, such as studio.example.org or "
-                f"192.168.1.20, not {name!r}"
-            )
-    return tuple(names)
-
-
-def _is_address(text: str) -> bool:
-    try:
-        ipaddress.ip_address(text)
-    except ValueError:
-        return False
-    return True
-
-
-def split_host(value: str) -> tuple[str, int | None] | None:
-    """(name, port or None) of a Host header, or None if it is not one: no user, path or dots."""
-    name, colon, port = value.rpartition(":")
-    if not colon or value.endswith("]"):
-        name, port = value, ""
-    elif not port.isascii() or not port.isdigit() or int(port) > 65535:
-        return None
-    return (name.lower(), int(port) if port else None) if name else None
-
-
 def host_allowed(values: list[str], config: AccessConfig) -> bool:
     """Exactly one Host header, and it names us (RFC 9110 7.2; 421 otherwise)."""
     if len(values) != 1:
@@ -133,12 +91,7 @@ def token_allowed(headers: dict[str, list[str]], config: AccessConfig) -> bool:
         scheme, _, token = value.partition(" ")
         if scheme.lower() == "bearer":
             offered.append(token.strip())
-    # Not by http.cookies, which refuses a whole header for one odd cookie of another program.
-    for value in headers.get("cookie", []):
-        for pair in value.split(";"):
-            name, _, said = pair.partition("=")
-            if name.strip() == config.cookie:
-                offered.append(said.strip())
+    offered += cookies(headers, config.cookie)
     return any(_same(token, config.token) for token in offered)
 
 
@@ -163,26 +116,39 @@ class AccessMiddleware:
         for name, value in scope["headers"]:
             headers.setdefault(name.decode("latin-1").lower(), []).append(value.decode("latin-1"))
         path = scope["path"]
-        if refusal := self._refusal(scope, headers):
+        refusal = self._stranger(headers)
+        arrival = None if refusal else self._arrival(scope, headers)
+        refusal = refusal or (None if arrival else self._unknown(scope, headers))
+        if refusal is not None:
             await self._turn_away(scope, send, headers, *refusal)
-        elif (arrival := self._arrival(scope)) is not None:
+        elif arrival is not None:
             await send_whole(send, *arrival)
         elif path in AT_ONCE or scope["type"] == "websocket" or await self._turns.take():
-            await self.app(scope, receive, secured(send, path))
+            await self._enter(scope, receive, secured(send, path), headers)
         else:
             await refuse(scope, send, 429, "too many requests at once: try again in a while")
 
-    def _refusal(self, scope: Scope, headers: dict[str, list[str]]) -> tuple[int, str] | None:
-        """Status and why; None for who may come in."""
+    def _stranger(self, headers: dict[str, list[str]]) -> tuple[int, str] | None:
+        """Status and why, where Host or Origin are not ours."""
         hosts = headers.get("host", [])
         if not host_allowed(hosts, self.config):
             return 421, "this Host is not served here; use the printed URL"
         if not origin_allowed(headers.get("origin", []), hosts[0], self.config):
             return 403, "this Origin may not speak to the studio"
+        return None
+
+    def _unknown(self, scope: Scope, headers: dict[str, list[str]]) -> tuple[int, str] | None:
+        """Status and why, where the token is missing."""
         open_to_all = scope["type"] == "http" and scope["path"] in OPEN_PATHS
-        if open_to_all or self._arrival(scope) or token_allowed(headers, self.config):
+        if open_to_all or token_allowed(headers, self.config):
             return None
         return 401, "the token is missing or wrong; open the printed URL"
+
+    async def _enter(
+        self, scope: Scope, receive: Receive, send: Send, headers: dict[str, list[str]]
+    ) -> None:
+        """Whoever was let in is answered by the application."""
+        await self.app(scope, receive, send)
 
     async def _turn_away(
         self, scope: Scope, send: Send, headers: dict[str, list[str]], status: int, why: str
@@ -193,38 +159,52 @@ class AccessMiddleware:
         else:
             await refuse(scope, send, status, why)
 
-    def _arrival(self, scope: Scope) -> tuple[int, list[tuple[bytes, bytes]], bytes] | None:
+    def _arrival(
+        self, scope: Scope, headers: dict[str, list[str]]
+    ) -> tuple[int, list[tuple[bytes, bytes]], bytes] | None:
         """`GET /?token=…`: set the cookie and get the token out of the address bar."""
-        if not _opens_page(scope):
+        if not opens_page(scope):
             return None
-        token = _asked(scope)
+        token = asked(scope, "token")
         if len(token) != 1 or not _same(token[0].strip(), self.config.token):
             return None
-        cookie = f"{self.config.cookie}={self.config.token}; HttpOnly; SameSite=Strict; Path=/"
-        if scope.get("scheme") == "https":
-            cookie += "; Secure"
-        headers = [(b"location", scope["path"].encode()), (b"set-cookie", cookie.encode())]
-        return 303, [*headers, *security_headers("/")], b""
+        return arrived(scope, self.config.cookie, self.config.token)
 
     def _ask(self, scope: Scope) -> tuple[int, list[tuple[bytes, bytes]], bytes]:
         """The page to sign in on, for a person who comes without the token."""
-        why = "That token is not the one of this studio." if _asked(scope) else ""
+        why = "That token is not the one of this studio." if asked(scope, "token") else ""
         page = self.sign_in.replace("{why}", escape(why)).encode()
         return 401, SIGN_IN_HEADERS, page
 
 
-def _asked(scope: Scope) -> list[str]:
-    """Tokens in the query."""
-    return parse_qs(scope["query_string"].decode("latin-1")).get("token", [])
+def arrived(scope: Scope, cookie: str, token: str) -> tuple[int, list[tuple[bytes, bytes]], bytes]:
+    """The answer that sets a cookie, and leads to the same page without what is in its query."""
+    said = f"{cookie}={token}; HttpOnly; SameSite=Strict; Path=/"
+    if scope.get("scheme") == "https":
+        said += "; Secure"
+    headers = [(b"location", scope["path"].encode()), (b"set-cookie", said.encode())]
+    return 303, [*headers, *security_headers("/")], b""
+
+
+def asked(scope: Scope, name: str) -> list[str]:
+    """What the query says under a name."""
+    return parse_qs(scope["query_string"].decode("latin-1")).get(name, [])
+
+
+def cookies(headers: dict[str, list[str]], name: str) -> list[str]:
+    """What cookies of a name say. Not by http.cookies, which refuses a whole header for one odd
+    cookie of another program."""
+    pairs = [pair.partition("=") for said in headers.get("cookie", []) for pair in said.split(";")]
+    return [value.strip() for key, _, value in pairs if key.strip() == name]
 
 
 def _is_browser(scope: Scope, headers: dict[str, list[str]]) -> bool:
     """A person who opens the page, rather than a program or a part of the page."""
     wants = any("text/html" in value for value in headers.get("accept", []))
-    return wants and _opens_page(scope)
+    return wants and opens_page(scope)
 
 
-def _opens_page(scope: Scope) -> bool:
+def opens_page(scope: Scope) -> bool:
     return scope["type"] == "http" and scope["method"] == "GET" and scope["path"] in PAGES
 
 

@@ -12,7 +12,6 @@ from fastapi.responses import FileResponse, HTMLResponse, JSONResponse
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.staticfiles import StaticFiles
-from starlette.types import ASGIApp
 
 import studio
 from studio.files import FULL
@@ -32,6 +31,7 @@ from studio.web.hub import Hub
 from studio.web.joint_map_api import joint_map_router
 from studio.web.library_api import library_router
 from studio.web.page_control import PageControl
+from studio.web.phone_api import phone_router
 from studio.web.relay import view_router
 from studio.web.review_api import review_router
 from studio.web.schema import with_messages
@@ -81,6 +81,7 @@ def create_api(hub: Hub) -> FastAPI:
     app.include_router(files_router(hub))
     app.include_router(health_router(hub))
     app.include_router(joint_map_router(hub))
+    app.include_router(phone_router(hub))
     app.include_router(sockets_router(hub))
     plain_schema = app.openapi
     app.openapi = lambda: with_messages(plain_schema())  # type: ignore[method-assign]
@@ -106,8 +107,8 @@ def openapi() -> dict[str, Any]:
             hub.close()
 
 
-def create_app(hub: Hub, inner: GuardedViser | None) -> ASGIApp:
-    """The application, access checks outermost."""
+def create_app(hub: Hub, inner: GuardedViser | None) -> AccessMiddleware:
+    """The application (`app`), access checks outermost."""
     assets = assets_folder()
     app = create_api(hub)
     if inner is not None:

@@ -21,6 +21,7 @@ from studio.web.access import AccessConfig
 from studio.web.feed import TickFeed
 from studio.web.keyboard import intent_of
 from studio.web.page_control import PageControl
+from studio.web.phone import Phones
 from studio.web.stop_order import STOPS_KNOWN, StopOrder
 from studio.web.supervisor import Supervisor
 from studio.web.worker_process import WorkerProcess
@@ -36,7 +37,7 @@ NAMES = {"tasks": list(TASKS), "controllers": list(CONTROLLERS)}
 @dataclass(kw_only=True)
 class Hub:
     """One running studio, as its routes see it. sessions: the folder of takes. scratch: for files
-    that do not outlive the process."""
+    that do not outlive the process. phones: None without --phone."""
 
     loop: LiveLoop
     access: AccessConfig
@@ -45,6 +46,7 @@ class Hub:
     supervisor: Supervisor
     sessions: Path
     scratch: Path
+    phones: Phones | None = None
 
     def __post_init__(self) -> None:
         self.stop_order = StopOrder(lambda: self.loop.stops)

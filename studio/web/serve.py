@@ -1,7 +1,6 @@
 """`a1-studio serve`: loop, view and gateway in one process, one URL, a clean end."""
 
 import contextlib
-import errno
 import logging
 import os
 import signal
@@ -14,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import uvicorn
-from starlette.types import ASGIApp
 
 from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
@@ -24,56 +22,23 @@ from studio.live.mappers import FOLDER as MAPPERS
 from studio.live.runtime import RuntimeConfig
 from studio.options import ServeConfig
 from studio.takes.export import adding
-from studio.web.access import EVERYWHERE, LOOPBACK_HOSTS, AccessConfig, checked_names, page_url
-from studio.web.client_limits import LimitedHttp, LimitedWebSocket, room_for_connections
+from studio.web.access import AccessConfig, page_url
 from studio.web.feed import TickFeed
 from studio.web.gateway import create_app
 from studio.web.guarded_viser import GuardedViser
+from studio.web.hosts import EVERYWHERE, LOOPBACK_HOSTS, checked_names
+from studio.web.http_server import bind, uvicorn_config
 from studio.web.hub import Hub
 from studio.web.page_control import PageControl
+from studio.web.phone_door import FirstServer, second_server
 from studio.web.scene import StudioScene
 from studio.web.supervisor import Supervisor
 from studio.web.tokens import checked_token, kept_token
 from studio.web.view import View
 
 log = logging.getLogger(__name__)
-MAX_SOCKET_MESSAGE = 2 * 1024 * 1024
-"""Bytes: frames of up to 1 MB must be answered, not closed on."""
-NO_NEWS = (
-    "without completing handshake",
-    "Invalid HTTP request received",
-    "Unsupported upgrade request",
-    "No supported WebSocket library",
-    "Invalid UTF-8 sequence received",
-)
 SCRATCH = "a1-studio-"
 """Beginning of a studio's temporary folder."""
-
-
-def bind(host: str, port: int) -> socket.socket:
-    """A listening socket, so that a taken port is known before anything starts.
-
-    Raises StudioError for a port or an address that cannot be had.
-    """
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    # The protocol by name: only then does asyncio send at once (TCP_NODELAY), or every answer
-    # waits 40 ms for the client's delayed acknowledgement.
-    listener = socket.socket(family, socket.SOCK_STREAM, socket.IPPROTO_TCP)
-    try:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind((host, port))
-        listener.listen(128)
-    except (OSError, OverflowError) as error:
-        listener.close()
-        if isinstance(error, PermissionError | OverflowError):
-            hint = "choose a port from 1024 to 65535 with --port"
-        elif isinstance(error, socket.gaierror) or error.errno == errno.EADDRNOTAVAIL:
-            hint = "give --host an address of this machine, such as 127.0.0.1"
-        else:
-            hint = "is another studio running? Stop it, or choose another with --port"
-        why = getattr(error, "strerror", None) or str(error)
-        raise StudioError(f"cannot listen on {host}:{port} ({why}): {hint}") from error
-    return listener
 
 
 def serve(config: ServeConfig, announce: Callable[[str], None] | None = None) -> None:
@@ -138,8 +103,12 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
             sessions=sessions,
             scratch=scratch,
         )
-        server = uvicorn.Server(_uvicorn(create_app(hub, inner), tls))
-        logging.getLogger("uvicorn.error").addFilter(_is_news)
+        app = create_app(hub, inner)
+        server = uvicorn.Server(uvicorn_config(app, tls))
+        if config.phone is not None:
+            second = second_server(config.phone, config.phone_port, hub, app.app)
+            stack.callback(second.listener.close)
+            server = FirstServer(server.config, second)
         loop.start()
         stack.callback(loop.stop)
         view.start()
@@ -148,25 +117,6 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
         if config.host not in LOOPBACK_HOSTS:
             log.warning("%s", exposure(access))
         yield server, listener, page_url(access)
-
-
-def _uvicorn(app: ASGIApp, tls: dict[str, Any]) -> uvicorn.Config:
-    LimitedHttp.most = room_for_connections()
-    return uvicorn.Config(
-        app,
-        log_level="warning",
-        access_log=False,
-        # These, and no other that may be installed: `client_limits` builds on them.
-        loop="asyncio",
-        http=LimitedHttp,
-        ws=LimitedWebSocket,
-        ws_max_size=MAX_SOCKET_MESSAGE,
-        ws_per_message_deflate=False,
-        ws_ping_interval=20.0,
-        server_header=False,
-        timeout_graceful_shutdown=2,
-        **tls,
-    )
 
 
 def checked_tls(config: ServeConfig) -> dict[str, Any]:
@@ -203,13 +153,6 @@ def exposure(access: AccessConfig) -> str:
         f"listening on {where}; {how}. Whoever has the token drives the robot, and reads, changes "
         f"and deletes takes. Answering to {names} (add names with --allow-host)"
     )
-
-
-def _is_news(record: logging.LogRecord) -> bool:
-    """Not what a stranger can have written as often as they like, nor a WebSocket refused with a
-    status of our own, which uvicorn takes for an accident."""
-    said = record.getMessage()
-    return not any(known in said for known in NO_NEWS)
 
 
 def stop_on_signals(server: uvicorn.Server) -> None:

@@ -4,7 +4,8 @@ import httpx
 import pytest
 from websockets.exceptions import InvalidStatus
 
-from studio.web.access import AccessConfig, host_allowed, origin_allowed, page_url, split_host
+from studio.web.access import AccessConfig, host_allowed, origin_allowed, page_url
+from studio.web.hosts import split_host
 
 TOKEN = "test-token-0123456789"
 LOCAL = AccessConfig(token=TOKEN, host="127.0.0.1", port=8080)

@@ -18,7 +18,9 @@ from studio.options import ServeConfig
 from studio.robot.pose import RobotState
 from studio.synthetic.operator import OperatorSource
 from studio.takes.tick import Tick
-from studio.web.serve import bind, checked_token, serve
+from studio.web.http_server import bind
+from studio.web.serve import serve
+from studio.web.tokens import checked_token
 
 TOKEN = "test-token-0123456789"
 STATE_KEYS = {

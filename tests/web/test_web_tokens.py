@@ -14,7 +14,8 @@ import pytest
 
 from studio.errors import StudioError
 from studio.options import ServeConfig
-from studio.web.access import AccessConfig, checked_names, host_allowed, origin_allowed, page_url
+from studio.web.access import AccessConfig, host_allowed, origin_allowed, page_url
+from studio.web.hosts import checked_names
 from studio.web.serve import checked_tls, exposure, studio
 from studio.web.tokens import FILE, kept_token
 

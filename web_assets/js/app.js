@@ -99,7 +99,7 @@ const history = new TickHistory();
 const plots = new PlotDock();
 startVocabulary();
 startPad(keyboard);
-cameraPanel($(".panels > .card + .card"), (target) => keyboard.listen(target));
+cameraPanel(api, $(".panels > .card + .card"), (target) => keyboard.listen(target));
 const guide = new Guide({
   drive: source.drive,
   sample: source.sample,

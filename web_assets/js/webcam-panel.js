@@ -2,13 +2,16 @@
 
 import { el } from "./dom.js";
 
+/** @import { Api } from "./net.js" */
+
 const PAGE = "/camera?panel";
 
 /**
+ * @param {Api} api
  * @param {HTMLElement} before the panel that it goes before
  * @param {(target: Window) => void} listen to the keyboard of a window
  */
-export function cameraPanel(before, listen) {
+export function cameraPanel(api, before, listen) {
   const card = el(
     "details",
     { class: "card camera", id: "camera" },
@@ -20,6 +23,18 @@ export function cameraPanel(before, listen) {
       el("a", { href: "/camera", target: "_blank" }, "On a page of its own"),
     ),
   );
+  const phone = el(
+    "details",
+    { class: "phone" },
+    el("summary", {}, "Use a phone’s camera instead"),
+    el("div", {}),
+  );
+  card.append(phone);
+  phone.addEventListener("toggle", async () => {
+    const place = el("div", {});
+    phone.lastElementChild?.replaceWith(place);
+    if (phone.open) (await import("./phone.js")).phonePanel(api, place);
+  });
   before.before(card);
   card.addEventListener("toggle", () => {
     if (!card.open) return card.querySelector("iframe")?.remove(); // and with it the camera
@@ -27,6 +42,6 @@ export function cameraPanel(before, listen) {
     frame.addEventListener("load", () => {
       if (frame.contentWindow) listen(frame.contentWindow);
     });
-    card.append(frame);
+    phone.before(frame);
   });
 }

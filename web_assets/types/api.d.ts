@@ -1171,6 +1171,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/phone": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Phone
+         * @description The invitation, as a URL and as a QR code, and the phones that have come.
+         */
+        get: operations["phone_api_phone_get"];
+        put?: never;
+        /**
+         * Change
+         * @description Invite anew, or send a phone away.
+         */
+        post: operations["change_api_phone_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -1480,6 +1504,18 @@ export interface components {
             } | null;
             /** Takes */
             takes: string[];
+        };
+        /**
+         * Connected
+         * @description A phone. name: of its kind, numbered. since_s: since it came. frames_per_s: that it sends.
+         */
+        Connected: {
+            /** Name */
+            name: string;
+            /** Since S */
+            since_s: number;
+            /** Frames Per S */
+            frames_per_s: number;
         };
         /**
          * Control
@@ -1906,6 +1942,41 @@ export interface components {
         NotesBody: {
             /** Notes */
             notes: string;
+        };
+        /**
+         * PhoneBody
+         * @description invite: a new invitation, the one before is no good any more. send_away: the phone named.
+         */
+        PhoneBody: {
+            /**
+             * Action
+             * @enum {string}
+             */
+            action: "invite" | "send_away";
+            /**
+             * Name
+             * @default
+             */
+            name?: string;
+        };
+        /**
+         * PhoneState
+         * @description GET /api/phone. on: whether `serve` was given --phone. url, qr: the invitation, and its
+         *     picture as a data: URL. expires_s: until it is no good any more; a new one is made then.
+         */
+        PhoneState: {
+            /** On */
+            on: boolean;
+            /** Why */
+            why: string;
+            /** Url */
+            url: string;
+            /** Qr */
+            qr: string;
+            /** Expires S */
+            expires_s: number;
+            /** Phones */
+            phones: components["schemas"]["Connected"][];
         };
         /**
          * Pictures
@@ -5224,6 +5295,59 @@ export interface operations {
             };
             /** @description it does not fit, or cannot be used: see `why` */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    phone_api_phone_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PhoneState"];
+                };
+            };
+        };
+    };
+    change_api_phone_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PhoneBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PhoneState"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
