@@ -32,8 +32,8 @@ export function phonePanel(api, place) {
   /** @param {PhoneState} state */
   function draw(state) {
     said.textContent = state.on
-      ? "Scan this with the phone’s camera; it is good once. The phone’s browser will warn: this " +
-        "machine made its certificate itself."
+      ? "Scan this with the phone’s camera; it is good once. The phone’s browser will warn: " +
+        "this machine made its certificate itself."
       : `${capital(state.why)}.`;
     code.hidden = renew.hidden = !state.on;
     if (state.on && code.src !== state.qr) code.src = state.qr;
