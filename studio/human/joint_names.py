@@ -83,9 +83,11 @@ def guess_joints(
 ) -> Parts:
     """Which of a file's joints make each canonical one; what is not found is left out.
 
-        names: in file order; the end site of joint J is "J/end". parents: the index of each one's
-        parent, where known: limbs then run along the hierarchy if they can. by_hand: what a person
-    XX"""
+    names: in file order; the end site of joint J is "J/end". parents: the index of each one's
+    parent, where known: limbs then run along the hierarchy if they can. by_hand: what a person
+    says, by canonical joint; that replaces the guess, and no joints at all leave it out.
+    StudioError for a joint or name there that is not known.
+    """
     by_hand = dict(by_hand or {})
     check_joint_map(by_hand, names)
     index = {name: i for i, name in enumerate(names)}
