@@ -7,6 +7,8 @@ from typing import Annotated, Literal, get_args
 
 import tyro
 
+from studio.timing import PAPER_JOINT_SPEED_DEG
+
 StateName = Literal["stand", "walk", "sit"]
 STATES: tuple[StateName, ...] = get_args(StateName)
 StateOption = Literal["auto", StateName]
@@ -17,8 +19,6 @@ rule (`retarget.semantic`)."""
 SceneName = Literal["empty", "free", "greeting", "hardware", "push", "slalom", "rough", "fetch"]
 SCENES: tuple[SceneName, ...] = get_args(SceneName)
 """What the robot is set into (`studio.scenes`); "empty" is what "free" was called first."""
-PAPER_JOINT_SPEED_DEG = 120.0
-"""Degrees a second that a reference's joints may reach in the paper."""
 Travel = Literal["auto", "off"]
 ControllerName = Literal["stand_still", "pd_playback", "policy"]
 

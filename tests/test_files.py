@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from studio import files
-from studio.evaluation import endurance, tracking
+from studio import files, options
+from studio.evaluation import composite, endurance, tracking
 from studio.rl import bank_store
 from studio.takes.dataset import datasets
 from studio.training import retargeted
@@ -162,10 +162,11 @@ def imported(*files_: Path) -> set[Path]:
 
 
 NOT_DECIDING = ("errors.py", "files.py", "options.py", "paths.py", "takes/untrusted.py")
-"""What is imported from everywhere and changes no figure: refusals, folders, names of options, how
-a file is checked."""
+"""What is imported from everywhere and changes no figure: refusals, folders, names of options (a
+test below: no number), how a file is checked."""
 OF_TICK = ("metrics.py", "takes/tick.py")
 """How a tick is written down and judged, not what comes of it."""
+SCENE_OPERATOR = ("evaluation/scene_operator", "evaluation/scene_plays")
 
 
 @pytest.mark.parametrize(
@@ -173,6 +174,11 @@ OF_TICK = ("metrics.py", "takes/tick.py")
     [
         (bank_store.DRAWN_BY, ("rl/bank", "rl/transitions"), ()),
         (endurance._FLOW, ("evaluation/long_drive",), OF_TICK),
+        (
+            composite._FLOW,
+            ("puppeteer", "synthetic/operator", "takes/record/codec", *SCENE_OPERATOR),
+            (),
+        ),
         (tracking._CODE, ("rl/rollouts", "evaluation/disturbed"), ()),
         (retargeted.CODE, ("puppeteer", "synthetic/impaired"), OF_TICK),
         (datasets._CODE, ("reference/labels", "takes/take", "takes/columns"), ("takes/names.py",)),
@@ -183,3 +189,13 @@ def test_a_fingerprint_misses_no_file_that_its_code_imports(parts, begins, besid
     needed = imported(*(files.STUDIO / f"{name}.py" for name in begins))
     names = {f.relative_to(files.STUDIO).as_posix() for f in needed - covered}
     assert {n for n in names if not n.endswith("__init__.py")} <= {*NOT_DECIDING, *besides}
+
+
+def test_of_options_nothing_but_names_is_imported_by_what_is_kept():
+    """`options.py` is in no list of code: no figure may come from there."""
+    for file in imported(*(files.STUDIO / f"{name}.py" for name in ("evaluation/composite",))):
+        for node in ast.walk(ast.parse(file.read_text())):
+            if isinstance(node, ast.ImportFrom) and node.module == "studio.options":
+                for name in node.names:
+                    figure = getattr(options, name.name)
+                    assert not isinstance(figure, int | float), (file, name.name)

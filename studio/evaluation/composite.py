@@ -19,7 +19,6 @@ from studio.evaluation.kept_runs import file_of, kept_runs
 from studio.evaluation.options import TableOptions
 from studio.evaluation.scene_operator import Eyes, ScriptedOperator
 from studio.evaluation.scene_plays import PLAYS
-from studio.evaluation.styles import HELD_OUT_SEED
 from studio.evaluation.tracking import CACHE, names_of
 from studio.human.calibration import Calibration, calibrate
 from studio.human.pose import HumanPose
@@ -27,6 +26,7 @@ from studio.options import Style
 from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
 from studio.synthetic.operator import InteractiveOperator
+from studio.synthetic.person import HELD_OUT_SEED
 from studio.takes.record.codec import decode, encode
 from studio.takes.tick import Tick
 from studio.training.machine import commit
@@ -40,8 +40,8 @@ _OVERTIME = 5.0
 """s beyond a step's own time after which nobody waits for it any more, the clock running or not."""
 _FLOW = (
     "control", "human", "mocap", "reference", "retarget", "robot", "scenes", "sim", "synthetic",
-    "geometry", "rhythm", "timing", "metrics", "puppeteer", "evaluation/composite",
-    "evaluation/scene_operator", "evaluation/scene_plays",
+    "geometry", "rhythm", "timing", "metrics", "puppeteer", "sources", "takes/record", "takes/tick",
+    "evaluation/composite", "evaluation/scene_operator", "evaluation/scene_plays",
 )  # fmt: skip
 """What a run depends on, beside the models."""
 

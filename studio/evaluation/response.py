@@ -24,7 +24,7 @@ from studio.evaluation.response_signals import GESTURES, STAGES, STEPPING, signa
 from studio.human.calibration import calibrate
 from studio.human.pose import HumanPose
 from studio.mocap.source import Source, SourceEnded
-from studio.options import PAPER_JOINT_SPEED_DEG, ControllerName
+from studio.options import ControllerName
 from studio.puppeteer import Puppeteer
 from studio.reference.marching import march_track
 from studio.retarget.mapper import Mapped
@@ -33,6 +33,7 @@ from studio.robot.a1 import CONTROL_DT
 from studio.sources import open_source
 from studio.synthetic.perform import perform
 from studio.synthetic.person import Person
+from studio.timing import PAPER_JOINT_SPEED_DEG
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)

@@ -23,14 +23,13 @@ from studio.reference.intent import Intent
 from studio.robot.a1 import CONTROL_DT
 from studio.synthetic.impaired import walking
 from studio.synthetic.operator import InteractiveOperator
+from studio.synthetic.person import HELD_OUT_SEED
 from studio.takes.tick import Tick
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
 Array = NDArray[np.float64]
 
-HELD_OUT_SEED = 30_000
-"""Operators are drawn from here on: no training draws from these seeds."""
 QUIET_S, SETTLE_S, MEASURED_S = 1.0, 6.0, 10.0
 """s of standing, of getting under way, and of walking that counts."""
 LOOK_S = 0.5

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from studio import geometry
-from studio.options import PAPER_JOINT_SPEED_DEG
 from studio.reference.intent import StateName
 from studio.robot import a1, kinematics
 from studio.robot.pose import RobotPose
+from studio.timing import PAPER_JOINT_SPEED_DEG
 
 Array = NDArray[np.float64]
 

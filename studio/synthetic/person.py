@@ -16,6 +16,8 @@ from studio.synthetic.signals import DT
 Array = NDArray[np.float64]
 Family = Literal["default", "held_out"]
 FAMILIES: tuple[Family, ...] = ("default", "held_out")
+HELD_OUT_SEED = 30_000
+"""People who try what was trained are drawn from here on: no training draws from these seeds."""
 
 
 @dataclass(frozen=True, kw_only=True)
