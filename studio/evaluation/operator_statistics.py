@@ -20,10 +20,12 @@ from studio.mocap.bvh import load_bvh
 from studio.mocap.frames import load_frames
 from studio.reference.intent import STATES
 from studio.reference.library import TASKS
-from studio.synthetic import Person, exercise, labels, play, squats
+from studio.retarget.selector import NAMES
+from studio.synthetic import Person, exercise, play, squats
 from studio.synthetic.signals import of_track
 from studio.timing import CONTROL_HZ
 from studio.training.machine import commit
+from studio.training.selector_data import UNLABELLED, labels
 
 Array = NDArray[np.float64]
 
@@ -78,7 +80,8 @@ def real_features(folder: Path) -> dict[str, Array]:
 def operator_features(
     people: int, rng: np.random.Generator, family: str = "default"
 ) -> dict[str, Array]:
-    """Per state (3, N, F) features of people doing every task, exercises and squats, 12 s each."""
+    """Per state (3, N, F) features of people doing every task, exercises and squats, 12 s each;
+    what a frame is, as in the selector's own data (`selector_data.labels`)."""
     found: dict[str, list[Array]] = {state: [] for state in STATES}
     for _ in range(people):
         person = Person.sample(rng, family, sensor="mocap")
@@ -87,11 +90,11 @@ def operator_features(
         signals += [squats(rng, 12.0) for _ in range(3)]
         for signal in signals:
             performance = play(signal, person, rng, "operator")
-            state = labels(performance.true_pos_w, signal)
+            state = labels(performance.true_pos_w)
             triplet = _features(performance.clip)
-            state[:30] = ""  # the filters settle
-            for name, parts in found.items():
-                parts.append(triplet[:, state == name])
+            state[:30] = UNLABELLED  # the filters settle
+            for k, name in enumerate(NAMES):
+                found[name].append(triplet[:, state == k])
     return {state: np.concatenate(parts, axis=1) for state, parts in found.items()}
 
 

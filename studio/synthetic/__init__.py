@@ -1,7 +1,7 @@
 """The synthetic person: a body, habits and a sensor that turn intents into human motion."""
 
 from studio.synthetic.body import Body
-from studio.synthetic.exercises import exercise, labels, squats
+from studio.synthetic.exercises import exercise, squats
 from studio.synthetic.habits import Habits
 from studio.synthetic.perform import Performance, Performer, perform, play
 from studio.synthetic.person import FAMILIES, Person
@@ -17,7 +17,6 @@ __all__ = [
     "Person",
     "Sensor",
     "exercise",
-    "labels",
     "perform",
     "play",
     "squats",

@@ -1,4 +1,4 @@
-"""What people do besides the library's tasks: brisk exercises, squats, and labels frame by frame.
+"""What people do besides the library's tasks: brisk exercises and squats.
 
 Library tasks move as fast as the robot may. People do not know that: they twist, bend, swing and
 squat several times faster, and a selector or mapper must have seen it.
@@ -8,16 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.geometry.time_scaling import smoothstep
-from studio.human.skeleton import INDEX
 from studio.reference.intent import IntentTrack
 from studio.reference.tracks import frames_in, make_track
 from studio.synthetic import signals as sig
 from studio.synthetic.signals import DT
 
 Array = NDArray[np.float64]
-
-SIT_KNEE, STAND_KNEE = np.radians(90.0), np.radians(70.0)
-"""Both knees flexed beyond the first are sitting, under the second standing; between, neither."""
 
 
 def exercise(rng: np.random.Generator, seconds: float) -> IntentTrack:
@@ -84,21 +80,3 @@ def squats(rng: np.random.Generator, seconds: float) -> Array:
             signal[frame:stop, sig.REACH] = pulse[:, None] * arms
         frame, down = stop, not down
     return signal
-
-
-def labels(true_pos_w: Array, signal: Array) -> NDArray[np.str_]:
-    """(T,) "stand", "walk", "sit" or "" (on the way), of true joints (T, 19, 3) m and a signal
-    (T, NUM).
-
-    As a careful person labels a clip: walk while somebody marches, otherwise by both knees.
-    """
-    flexion = []
-    for side in ("l_", "r_"):
-        hip, knee, ankle = (true_pos_w[:, INDEX[side + j]] for j in ("hip", "knee", "ankle"))
-        a, b = knee - hip, ankle - knee
-        cos = np.sum(a * b, -1) / (np.linalg.norm(a, axis=-1) * np.linalg.norm(b, axis=-1))
-        flexion.append(np.arccos(np.clip(cos, -1.0, 1.0)))
-    both = np.stack(flexion, axis=-1)
-    state = np.where((both > SIT_KNEE).all(axis=-1), "sit", "")
-    state = np.where((both < STAND_KNEE).all(axis=-1), "stand", state)
-    return np.where(signal[:, sig.WALK] > 0.5, "walk", state)
