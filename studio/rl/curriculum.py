@@ -43,9 +43,9 @@ class Curriculum:
     """
 
     ladder: list[Stage]
-    gate: float = 0.8
+    gate: float = 0.75
     window: int = 192
-    patience: int = 2048
+    patience: int = 800
     level: int = 0
     episodes: int = 0
     ratio: float = 0.0

@@ -18,8 +18,17 @@ from studio.rl.privileged import PrivilegedEnv
 from studio.rl.reward import RewardConfig
 from studio.training.device import check_device
 from studio.training.ppo import PAPER, PpoConfig
-from studio.training.recipes import RECIPES, PolicyName, Recipe
+from studio.training.recipes import (
+    BEGUN_FIRST,
+    RECIPES,
+    TAUGHT,
+    UNREST_SPEED,
+    UNREST_SPIN,
+    PolicyName,
+    Recipe,
+)
 from studio.training.retargeted import with_people
+from studio.training.usual import Usual, UsualInt
 
 Preset = Literal["default", "paper"]
 BANKS = Path("runs/banks")
@@ -29,13 +38,13 @@ BANKS = Path("runs/banks")
 class PolicyTraining:
     """`a1-studio train policy`.
 
-    state: which expert, or "all" for one monolithic policy; what makes the shipped ones are the
-    defaults, some of them their stages' own (`stages`: sitting trains a teacher first). preset:
-    "paper" for the paper's PPO. samples: control steps of each stage, over every environment and
-    every resumed part; hours: stop earlier, after so long in all. threads: of physics and learner,
-    0 for every core (beside other busy programs fewer are faster: they wait for each other).
-    device: where the networks learn, by torch's name (cpu, cuda, cuda:1, mps); the physics stays on
-    the processor. A checkpoint goes on on any device.
+    state: which expert, or "all" for one monolithic policy. A default that is a `Usual`, and None,
+    gives way to what the stages of a shipped policy have (`stages`: sitting trains a teacher
+    first); what is given never does. preset: "paper" for the paper's PPO. samples: control steps of
+    each stage, over every environment and every resumed part; hours: stop earlier, after so long in
+    all. threads: of physics and learner, 0 for every core (beside other busy programs fewer are
+    faster: they wait for each other). device: where the networks learn, by torch's name (cpu, cuda,
+    cuda:1, mps); the physics stays on the processor. A checkpoint goes on on any device.
 
     run: folder of checkpoint, curve and TensorBoard files (default runs/policy-STATE, or
     runs/teacher-STATE for a teacher). resume: go on where the run's stages stopped; checkpoint: go
@@ -54,15 +63,15 @@ class PolicyTraining:
     to models/policy/ablation.
 
     recipe: of the state, None for its own. distil: samples learnt from a teacher before PPO, None
-    for the recipe's (the paper's preset has none). teacher: whose, the teacher.safetensors of a run
-    with `privileged`, which trains one on clean references and the simulation's own state; None for
-    the analytic one. warmup: iterations in which only the critic learns, so that PPO does not spoil
-    what was taught.
+    for those of TAUGHT (the paper's preset has none). teacher: whose, the teacher.safetensors of a
+    run with `privileged`, which trains one on clean references and the simulation's own state; None
+    for the analytic one. warmup: iterations in which only the critic learns, so that PPO does not
+    spoil what was taught.
     """
 
     state: PolicyName
     preset: Preset = "default"
-    samples: int = 30_000_000
+    samples: int = UsualInt(30_000_000)
     hours: float = 100.0
     num_envs: int = 256
     threads: int = 0
@@ -78,18 +87,18 @@ class PolicyTraining:
     yaw_rate: bool = True
     action: ActionMode = "residual"
     future: bool = False
-    transitions: int = 24
-    people: int = 12
+    transitions: int = UsualInt(24)
+    people: int = UsualInt(12)
     motions_per_task: int = 40
-    gate: float = 0.75
-    patience: int = 800
-    push: float = 0.4
+    gate: float = Curriculum.gate
+    patience: int = Curriculum.patience
+    push: float = Usual(EnvConfig.push)
     distil: int | None = None
     recipe: Recipe | None = None
-    warmup: int = 10
+    warmup: int = UsualInt(10)
     privileged: bool = False
     teacher: Path | None = None
-    clean: float = 0.0
+    clean: float = Usual(0.0)
     explore: float | None = None
     average: Path | None = None
     checkpoint_seconds: float = 60.0
@@ -120,7 +129,7 @@ class PolicyTraining:
             return 0
         if self.distil is not None:
             return self.distil
-        return self.made_by.distil if self.preset == "default" else 0
+        return TAUGHT[self.state] if self.preset == "default" else 0
 
     @property
     def level(self) -> StateName:
@@ -185,9 +194,9 @@ def make_environment(
         noise=noise,
         anchor_tau=recipe.anchor_tau,
         anchor_yaw_tau=recipe.anchor_yaw_tau,
-        init_first=0.3 if config.transitions else 0.0,
-        init_speed=0.6 * recipe.unrest if config.transitions else 0.0,
-        init_spin=1.0 * recipe.unrest if config.transitions else 0.0,
+        init_first=BEGUN_FIRST if config.transitions else 0.0,
+        init_speed=UNREST_SPEED * recipe.unrest if config.transitions else 0.0,
+        init_spin=UNREST_SPIN * recipe.unrest if config.transitions else 0.0,
         init_heading=recipe.init_heading if observation.heading_gain else 0.0,
         push=config.push,
         steep=recipe.steep,

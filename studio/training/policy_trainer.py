@@ -5,7 +5,7 @@ Settings are `policy_settings`; how long it goes on and what is written when, `t
 
 import time
 from collections.abc import Callable
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, cast
 
@@ -218,9 +218,10 @@ class PolicyTrainer:
             seed=config.seed,
             commit=commit(),
             # what was really learnt from the teacher, whatever the recipe would have
-            recipe=asdict(
-                replace(config.made_by, distil=self.taught["samples"] if self.taught else 0)
-            ),
+            recipe={
+                "distil": self.taught["samples"] if self.taught else 0,
+                **asdict(config.made_by),
+            },
             lessons=self.taught["samples"] if self.taught else 0,
             teacher=self.taught["by"] if self.taught else None,
             curriculum=config.curriculum,

@@ -17,6 +17,7 @@ from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 from studio.timing import CONTROL_HZ
 from studio.training.device import threads
 from studio.training.parallel import SINGLE_PROCESS, ProcessGroup
+from studio.training.usual import Usual
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,9 +33,9 @@ class PpoConfig:
     minibatch: int = 1536
     clip: float = 0.2
     learning_rate: float = 5e-4
-    max_learning_rate: float = 2e-3
-    desired_kl: float | None = 0.015
-    gamma: float = 0.95
+    max_learning_rate: float = Usual(2e-3)
+    desired_kl: float | None = Usual(0.015)
+    gamma: float = Usual(0.95)
     lam: float = 0.95
     entropy: float = 0.0005
     max_grad_norm: float = 1.0

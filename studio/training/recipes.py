@@ -1,4 +1,4 @@
-"""What each state's policy is trained with; in which stages, `stages`."""
+"""What each state's policy is trained with: recipes, and lessons; in which stages, `stages`."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -11,8 +11,6 @@ PolicyName = Literal["stand", "walk", "sit", "all"]
 class Recipe:
     """What one expert is trained with unless told otherwise.
 
-    distil: samples learnt from the teacher before PPO. Sitting, the teacher itself falls on slopes
-    (success .88 against .99 of PPO's policy): it has no sense of balance, and four feet need none.
     heading_gain: 1/s, and heading_smooth: s, see `observation.History`; who sits turns
     by 3.5 degrees, which is less than the reference's noise. A walk's heading
     steers only as its mean over a second: within a stride it excited the gait until the robot fell
@@ -28,7 +26,6 @@ class Recipe:
     degrees a second.
     """
 
-    distil: int = 800_000
     heading_gain: float = 0.0
     heading_smooth: float = 0.0
     init_heading: float = 0.3
@@ -55,7 +52,6 @@ RECIPES: dict[PolicyName, Recipe] = {
         travels=3,
     ),
     "sit": Recipe(
-        distil=0,
         heading_gain=1.0,
         init_heading=0.05,
         anchor_yaw_tau=10.0,
@@ -65,3 +61,10 @@ RECIPES: dict[PolicyName, Recipe] = {
     ),
     "all": Recipe(),
 }
+TAUGHT: dict[PolicyName, int] = {"stand": 800_000, "walk": 800_000, "sit": 0, "all": 800_000}
+"""Samples learnt from the analytic teacher before PPO. Sitting, that teacher itself falls on slopes
+(success .88 against .99 of PPO's policy): it has no sense of balance, and four feet need none."""
+BEGUN_FIRST = 0.3
+"""Share of the episodes that begin at a motion's first frame, where motions lead out of others."""
+UNREST_SPEED, UNREST_SPIN = 0.6, 1.0
+"""m/s and rad/s, largest, that half of the trunks have there on top: times a recipe's `unrest`."""

@@ -1,52 +1,74 @@
 """What `train policy` runs, stage by stage: one command makes a policy of each state.
 
-A stage sets what its run was not given: settings left at their defaults.
+A stage is a whole run's settings; what a run was given goes before what its stages say.
 """
 
 import shutil
-from collections.abc import Mapping
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import Any
 
 from studio.control.policy import MODELS
 from studio.training import variants
 from studio.training.policy_settings import PolicyTraining
-from studio.training.recipes import RECIPES, PolicyName
+from studio.training.ppo import PpoConfig
+from studio.training.recipes import RECIPES, TAUGHT, PolicyName
+from studio.training.usual import given
 
-TEACHER: dict[PolicyName, dict[str, Any]] = {
-    "sit": {
-        "transitions": 48,
-        "push": 0.2,
-        "samples": 4_800_000,
-        "ppo": {"gamma": 0.97},
-    }
+STAGES: dict[PolicyName, tuple[PolicyTraining, ...]] = {
+    "stand": (
+        PolicyTraining(
+            state="stand",
+            recipe=RECIPES["stand"],
+            distil=TAUGHT["stand"],
+            push=0.6,
+            samples=5_000_000,
+        ),
+    ),
+    "walk": (
+        PolicyTraining(
+            state="walk",
+            recipe=replace(RECIPES["walk"], travels=0, motors=False, steep=0.0),
+            distil=TAUGHT["walk"],
+            samples=9_400_000,
+        ),
+        PolicyTraining(
+            state="walk",
+            recipe=RECIPES["walk"],
+            distil=TAUGHT["walk"],
+            people=24,
+            explore=0.2,
+            samples=4_900_000,
+        ),
+    ),
+    "sit": (
+        PolicyTraining(
+            state="sit",
+            privileged=True,
+            recipe=RECIPES["sit"],
+            transitions=48,
+            push=0.2,
+            samples=4_800_000,
+            ppo=PpoConfig(gamma=0.97),
+        ),
+        PolicyTraining(
+            state="sit",
+            recipe=RECIPES["sit"],
+            distil=3_000_000,
+            warmup=80,
+            transitions=48,
+            push=0.2,
+            clean=0.25,
+            samples=11_600_000,
+            ppo=PpoConfig(gamma=0.98, desired_kl=0.01, max_learning_rate=3e-4),
+        ),
+    ),
+    "all": (PolicyTraining(state="all", recipe=RECIPES["all"], distil=TAUGHT["all"]),),
 }
-"""States that learn from a teacher of their own, which sees the simulation's whole state."""
-POLICY: dict[PolicyName, dict[str, Any]] = {
-    "stand": {"push": 0.6, "samples": 5_000_000},
-    "walk": {
-        "samples": 9_400_000,
-        "recipe": replace(RECIPES["walk"], travels=0, motors=False, steep=0.0),
-    },
-    "sit": {
-        "transitions": 48,
-        "push": 0.2,
-        "clean": 0.25,
-        "distil": 3_000_000,
-        "warmup": 80,
-        "samples": 11_600_000,
-        "ppo": {"gamma": 0.98, "desired_kl": 0.01, "max_learning_rate": 3e-4},
-    },
-}
-"""Lessons, then PPO alone. Sitting's critic learns alone for 80 iterations first: after 10, PPO
-undid what was taught."""
-ON: dict[PolicyName, dict[str, Any]] = {
-    "walk": {"samples": 4_900_000, "people": 24, "explore": 0.2},
-}
-"""States whose training goes on with the state's whole recipe, after the plain one of `POLICY`, for
-so many samples more. What is kept are both stages' weights averaged: minutes of driving are better
-survived by their mean than by either (models/policy/README.md)."""
+"""Every shipped policy. Sitting first trains a teacher, which sees the simulation's whole state;
+its lessons come first in the second stage, and the critic then learns alone for 80 iterations:
+after 10, PPO undid what was taught. Walking's second stage goes on from its first, for so many
+samples more, with the state's whole recipe; what is kept are both stages' weights averaged: minutes
+of driving are better survived by their mean than by either (models/policy/README.md)."""
 
 
 def stages_of(config: PolicyTraining) -> list[PolicyTraining]:
@@ -56,52 +78,53 @@ def stages_of(config: PolicyTraining) -> list[PolicyTraining]:
     with `privileged` the teacher's stage alone; with `teacher` the stage that it teaches.
     """
     if config.variant:
-        return [with_defaults(config, variants.settings_of(config))]
+        return [told(variants.switched(config), variants.stage_of(config))]
     alone = config.preset != "default" or config.recipe or config.checkpoint
     if alone or (config.distil is not None and not config.teacher):
         return [config]
-    last, teaches = POLICY.get(config.state, {}), TEACHER.get(config.state, {})
+    stages = STAGES[config.state]
+    first, last = stages[0], stages[-1]
     if config.privileged:
-        return [with_defaults(config, teaches)]
-    if config.state in ON:
-        return _gone_on(with_defaults(config, last))
-    if config.teacher or not teaches:
-        return [with_defaults(config, last)]
+        return [told(config, first) if first.privileged else config]
+    if len(stages) == 1 or (config.teacher and first.privileged):
+        return [told(config, last)]
+    return (_taught if first.privileged else _gone_on)(config, first, last)
+
+
+def told(config: PolicyTraining, stage: PolicyTraining) -> PolicyTraining:
+    """`config`, and where it was not given a setting, what the stage has."""
+    own = {f.name: getattr(config, f.name) for f in fields(config)}
+    ppo = {f.name: getattr(config.ppo, f.name) for f in fields(config.ppo)}
+    for values, of in ((own, stage), (ppo, stage.ppo)):
+        values.update({k: getattr(of, k) for k, v in values.items() if not given(v)})
+    return replace(config, **{**own, "ppo": replace(config.ppo, **ppo)})
+
+
+def _taught(
+    config: PolicyTraining, first: PolicyTraining, last: PolicyTraining
+) -> list[PolicyTraining]:
+    """A teacher's run, and that of whom it teaches."""
     run = None if config.run is None else config.run / "teacher"
-    first = with_defaults(replace(config, privileged=True, publish=False, run=run), teaches)
+    teacher = told(replace(config, privileged=True, publish=False, run=run), first)
     # Together: a run with a teacher has to have lessons.
-    taught = {"teacher": first.folder / "teacher.safetensors", "distil": last["distil"]}
-    return [first, with_defaults(replace(config, **taught), last)]
+    weights = teacher.folder / "teacher.safetensors"
+    return [teacher, told(replace(config, teacher=weights, distil=last.distil), last)]
 
 
-def _gone_on(config: PolicyTraining) -> list[PolicyTraining]:
-    """`config` as a first stage, and the one that goes on from its checkpoint."""
+def _gone_on(
+    config: PolicyTraining, first: PolicyTraining, last: PolicyTraining
+) -> list[PolicyTraining]:
+    """A first stage, and the one that goes on from its checkpoint."""
     run = None if config.run is None else config.run / "begun"
-    first = replace(config, publish=False, run=run or Path(f"runs/begun-{config.state}"))
-    own = dict(ON[config.state])
-    more = own.pop("samples")
-    if config.samples != POLICY[config.state]["samples"]:  # one's own are each stage's
-        more = config.samples
+    begun = replace(config, publish=False, run=run or Path(f"runs/begun-{config.state}"))
+    begun, on = told(begun, first), told(config, last)
     on = replace(
-        config,
-        recipe=None,
-        samples=config.samples + more,  # a run counts those of what it goes on from, too
-        checkpoint=first.folder / "checkpoint.safetensors",
-        average=first.folder / "policy.safetensors",
+        on,
+        samples=begun.samples + on.samples,  # a run counts those of what it goes on from, too
+        checkpoint=begun.folder / "checkpoint.safetensors",
+        average=begun.folder / "policy.safetensors",
     )
-    return [first, with_defaults(on, own)]
-
-
-def with_defaults(config: PolicyTraining, changes: Mapping[str, Any]) -> PolicyTraining:
-    """`config` with a stage's changes where it was left at its defaults; "ppo" field by field."""
-    own = {k: v for k, v in changes.items() if k != "ppo" and _at_default(config, k)}
-    ppo = {k: v for k, v in changes.get("ppo", {}).items() if _at_default(config.ppo, k)}
-    return replace(config, **own, ppo=replace(config.ppo, **ppo))
-
-
-def _at_default(settings: Any, name: str) -> bool:
-    (default,) = (f.default for f in fields(settings) if f.name == name)
-    return getattr(settings, name) == default
+    return [begun, on]
 
 
 def publish(stages: list[PolicyTraining]) -> None:

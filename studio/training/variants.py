@@ -9,6 +9,7 @@ at a time is seen.
 
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,11 +19,10 @@ from studio.control.policy import MODELS
 from studio.errors import unknown_name
 from studio.files import whole, write_whole
 from studio.training.policy_settings import PolicyTraining
-from studio.training.recipes import PolicyName, Recipe
+from studio.training.recipes import TAUGHT, Recipe
 
 BUDGET = 3_000_000
 PLAIN = Recipe(noise_low=float(np.radians(2.0)), mirror_loss=0.0)
-TAUGHT: dict[PolicyName, int] = {"stand": 800_000, "walk": 800_000, "sit": 0, "all": 800_000}
 VARIANTS: dict[str, dict[str, Any]] = {
     "full": {},
     "no_randomisation": {"randomise": False},
@@ -35,20 +35,25 @@ VARIANTS: dict[str, dict[str, Any]] = {
 without the teacher: `no_curriculum` is to be read against `no_teacher`."""
 
 
-def settings_of(config: PolicyTraining) -> dict[str, Any]:
-    """What a run of variant `config.variant` changes. StudioError for an unknown name."""
+def switched(config: PolicyTraining) -> PolicyTraining:
+    """`config` with the switches that its variant is about. StudioError for an unknown name."""
+    if config.variant not in VARIANTS:
+        raise unknown_name("variant", str(config.variant), VARIANTS)
+    return replace(config, **{k: v for k, v in VARIANTS[config.variant].items() if k != "distil"})
+
+
+def stage_of(config: PolicyTraining) -> PolicyTraining:
+    """The plain run that variants change, of `config`'s state."""
     name = config.variant or "full"
-    if name not in VARIANTS:
-        raise unknown_name("variant", name, VARIANTS)
-    plain = {
-        "samples": BUDGET,
-        "run": Path("runs/ablation") / stem(config.state, name),
-        "transitions": 0,
-        "people": 0,
-        "recipe": PLAIN,
-        "distil": TAUGHT[config.state],
-    }
-    return {**plain, **VARIANTS[name]}
+    return replace(
+        config,
+        samples=BUDGET,
+        run=Path("runs/ablation") / stem(config.state, name),
+        transitions=0,
+        people=0,
+        recipe=PLAIN,
+        distil=VARIANTS[name].get("distil", TAUGHT[config.state]),
+    )
 
 
 def stem(state: str, name: str) -> str:

@@ -201,7 +201,7 @@ def test_the_sidecar_says_what_was_really_done(bank: MotionBank) -> None:
     assert (plain["preset"], plain["push"]) == ("default", 0.1)
     assert plain["machine"]["cores"] >= 1
     assert plain["machine"]["cpu"]
-    taught = trainer(bank, recipe=Recipe())
+    taught = trainer(bank, recipe=Recipe(), distil=384)
     assert taught.manifest()["lessons"] == 0  # none yet
     taught.teach(384, lambda _: None)
     sidecar = taught.manifest()

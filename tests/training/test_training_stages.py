@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from safetensors.numpy import load_file
 
+from studio.cli.training import train
 from studio.errors import StudioError
 from studio.training import checkpoint, stages
 from studio.training.policy_settings import PolicyTraining
@@ -40,6 +41,21 @@ def test_what_was_told_holds_in_every_stage():
     assert stages_of(told)[1].ppo.max_learning_rate == 3e-4
 
 
+def test_what_is_given_holds_though_it_is_the_default(monkeypatch: pytest.MonkeyPatch):
+    line = "--state sit --push 0.4 --samples 30000000 --clean 0 --warmup 10 --transitions 24"
+    line += " --ppo.gamma 0.95 --ppo.desired-kl 0.015"
+    given: list[PolicyTraining] = []
+    monkeypatch.setattr("studio.training.train_policy.run_train_policy", given.append)
+    train(["policy", *line.split()])
+    for stage in stages_of(given[0]):
+        assert (stage.push, stage.samples, stage.transitions) == (0.4, 30_000_000, 24)
+        assert (stage.clean, stage.warmup) == (0.0, 10)
+        assert (stage.ppo.gamma, stage.ppo.desired_kl) == (0.95, 0.015)
+    assert stages_of(given[0])[1].ppo.max_learning_rate == 3e-4  # not given
+    began, on = stages_of(PolicyTraining(state="walk", samples=9_400_000, people=12))
+    assert (began.samples, on.samples, on.people) == (9_400_000, 18_800_000, 12)
+
+
 def test_parts_of_a_recipe_can_be_run_alone():
     teacher, policy = stages_of(PolicyTraining(state="sit"))
     assert stages_of(PolicyTraining(state="sit", privileged=True)) == [teacher]
@@ -62,7 +78,8 @@ def test_stages_run_one_after_the_other_are_gone_on_with_and_published(
 ):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(stages, "MODELS", tmp_path / "models")
-    monkeypatch.setitem(stages.POLICY, "sit", {**stages.POLICY["sit"], "distil": LESSON})
+    teacher, policy = stages.STAGES["sit"]
+    monkeypatch.setitem(stages.STAGES, "sit", (teacher, replace(policy, distil=LESSON)))
     tiny = PpoConfig(horizon=6, epochs=1, minibatch=12, hidden=(8, 8))
     config = PolicyTraining(
         state="sit", samples=LESSON + 24, num_envs=4, motions_per_task=1, transitions=1, people=0,
@@ -109,7 +126,7 @@ def test_what_is_kept_of_the_second_stage_is_the_mean(
         state="walk", samples=24, num_envs=4, motions_per_task=1, transitions=1, people=0,
         threads=1, ppo=tiny, run=tmp_path / "run",
     )  # fmt: skip
-    plain = replace(config, recipe=replace(RECIPES["walk"], distil=0), hours=1.0)
+    plain = replace(config, recipe=RECIPES["walk"], distil=0, hours=1.0)
     done = run_train_policy(plain)
     assert done["samples"] == 24  # a recipe of one's own is one stage
     begun = plain.folder
