@@ -10,7 +10,7 @@ NPM_CI := npm --prefix $(WEB) ci --ignore-scripts --no-audit --no-fund --logleve
 BROWSER_STAMP := $(VENV)/.browser-stamp
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup run test test-long test-quick check format schema vendor bench browser clean
+.PHONY: setup run test test-long test-quick check format schema vendor bench pictures browser clean
 
 setup: $(STAMP) vendor
 
@@ -75,6 +75,10 @@ format: setup schema $(NODE_STAMP)
 
 bench: setup
 	$(BIN)/a1-studio bench
+
+# The README's pictures of the page, as it is now: minutes.
+pictures: setup browser
+	$(BIN)/python tests/web/pictures.py
 
 clean:
 	rm -rf $(VENV) $(WEB)/cache $(WEB)/vendor $(WEB)/node_modules build dist *.egg-info

@@ -161,6 +161,17 @@ class Timeline(TypedDict):
     contact: list[list[float]]
 
 
+class Series(TypedDict):
+    """What was asked of the robot beside what it did: t_s (N,) s into the take, and by name, unit
+    included, signals (N,), null where there is none. problem: why the tape ends early, or ""."""
+
+    t_s: list[float]
+    signals: dict[str, list[float | None]]
+    seconds: float
+    ticks: int
+    problem: str
+
+
 class Score(TypedDict):
     """On held-out pairs."""
 

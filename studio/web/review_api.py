@@ -10,10 +10,11 @@ from studio.live.command import Body, Number
 from studio.takes.align import synchrony
 from studio.takes.as_json import plain
 from studio.takes.edit import edited, review, windows
+from studio.takes.series import series
 from studio.takes.session_library import SessionLibrary
 from studio.timing import CONTROL_HZ
 from studio.web.answers import answers
-from studio.web.answers_takes import Aligned, Split, TakeInfo, Timeline
+from studio.web.answers_takes import Aligned, Series, Split, TakeInfo, Timeline
 from studio.web.hub import Hub, OffThread, refused
 
 
@@ -46,6 +47,10 @@ def review_router(hub: Hub) -> APIRouter:
     async def known(name: str) -> None:
         await off_thread(lambda: library.folder(name), status=404)
 
+    def drawable(points: int) -> None:
+        if not 2 <= points <= 4000:
+            raise refused("points are between 2 and 4000", 422)
+
     async def info(name: str) -> dict[str, Any]:
         return (await off_thread(lambda: library.info(name), status=404)).as_dict()
 
@@ -69,8 +74,7 @@ def review_router(hub: Hub) -> APIRouter:
     async def timeline(name: str, points: int = 600, aligned: bool = True) -> dict[str, Any]:
         """Curves of both sides over the whole take: tilt, height, hands and paws, steps."""
         await known(name)
-        if not 2 <= points <= 4000:
-            raise refused("points are between 2 and 4000", 422)
+        drawable(points)
 
         def work() -> dict[str, Any]:
             table, edits = edited.open_table(hub.sessions, name)
@@ -82,6 +86,25 @@ def review_router(hub: Hub) -> APIRouter:
             return {**curves, "seconds": table.seconds, "contact": contact}
 
         return plain(await off_thread(work))
+
+    @router.get("/{name}/series", **answers(Series, 404, 422))
+    async def signals(name: str, points: int = 2000) -> dict[str, Any]:
+        """Speed, turn, tilt, height, paws, joint error and lag over the whole take, for plots."""
+        await known(name)
+        drawable(points)
+
+        def work() -> dict[str, Any]:
+            table, _ = edited.open_table(hub.sessions, name)
+            values = series(table, points)
+            return {
+                "t_s": values.pop("t_s"),
+                "signals": values,
+                "seconds": table.seconds,
+                "ticks": len(table),
+                "problem": table.problem,
+            }
+
+        return plain(await off_thread(work), digits=4)
 
     @router.post("/{name}/align", **answers(Aligned, 404, 422))
     async def align(name: str, body: AlignBody) -> dict[str, Any]:

@@ -62,6 +62,8 @@ def test_collecting_reviewing_and_recording_answer_what_is_declared(studio_live,
 
     check(answers.State, post(f"takes/{take}/show"))
     check(answers_takes.Timeline, client.get(f"/api/takes/{take}/timeline?points=9").content)
+    check(answers_takes.Series, client.get(f"/api/takes/{take}/series?points=9").content)
+    assert client.get(f"/api/takes/{take}/series?points=9999").status_code == 422
     check(Review, client.get(f"/api/takes/{take}/review").content)
     check(answers_takes.Aligned, post(f"takes/{take}/align"))
     check(answers_takes.Split, post(f"takes/{take}/split", {"at": 1.5}))

@@ -120,7 +120,7 @@ def test_what_does_not_fit_is_refused_with_what_would_work(collecting):
     assert "at most 200" in why(client.post("/api/collect/plan", json=plan), 422)
     answer = client.post("/api/collect/action", json={"action": "go"})
     assert "choose mode collect first" in why(answer, 409)
-    for path in ("review", "timeline"):
+    for path in ("review", "timeline", "series"):
         assert "unknown take" in why(client.get(f"/api/takes/nobody/{path}"), 404)
     assert why(client.post("/api/takes/..%2f..%2fetc/show", json={}), 404)
     assert "unknown take" in why(client.post("/api/train", json={"takes": ["nobody"]}), 422)
@@ -209,7 +209,7 @@ def test_a_damaged_and_an_empty_take_are_told_of_and_hurt_nobody(studio_live, tm
     assert {"empty", "deep"} <= set(listed)
     assert "no tick" in listed["deep"]["damaged"]
     for name in ("empty", "deep"):
-        for path in ("timeline", "review", "export?format=lerobot", "export?format=html"):
+        for path in ("timeline", "series", "review", "export?format=lerobot", "export?format=html"):
             answer = client.get(f"/api/takes/{name}/{path}")
             assert answer.status_code == 422, (path, answer.text)
             assert "no tick" in answer.text

@@ -141,29 +141,3 @@ def test_a_hidden_figure_and_its_name_are_gone_until_it_is_shown_again(served, b
         until(page, f"() => ({count})() === 0 && {named} !== 'visible'")  # remembered
         click(page, '#figures [data-figure="reference"]')
         until(page, f"() => ({count})() === {parts} && {named} === 'visible'")
-
-
-def test_asked_and_done_are_plotted_and_taken_away(served, browsing):
-    served.client.post("/api/source", json={"source": "operator:tilt"})
-    with browsing.page(served, 1024, 700) as page:
-        drawn(page)
-        page.keyboard.press("j")
-        until(page, "() => document.querySelector('#plot canvas')")
-        page.select_option("#plot-what", "roll")
-        served.wait(lambda s: any(abs(t["reference"]["base_quat"][1]) > 0.05
-                                  for t in [*served.ticks.values()]))  # fmt: skip
-        page.wait_for_timeout(3000)
-        click(page, "#plot-freeze")
-        with page.expect_download() as download:
-            click(page, "#plot-csv")
-        rows = download.value.path().read_text().splitlines()
-        names = rows[0].split(",")
-        assert names[:3] == ["t_s", "speed_asked_m_s", "speed_done_m_s"]
-        values = np.array([[float(v) for v in row.split(",")] for row in rows[1:]])
-        assert len(values) > 10
-        assert np.isfinite(values).all()
-        asked, done = (values[:, names.index(f"roll_{who}_deg")] for who in ("asked", "done"))
-        assert np.abs(asked - done).max() < 25.0
-        with page.expect_download() as download:
-            click(page, "#plot-png")
-        assert download.value.path().read_bytes()[:4] == b"\x89PNG"

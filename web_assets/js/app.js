@@ -5,7 +5,7 @@ import { captionsOf } from "./captions.js";
 import { CollectPanels } from "./collect.js";
 import { Controls } from "./controls.js";
 import { $, $$, attempt, calm, leave, openDialog, text, toast } from "./dom.js";
-import { LibraryDoor, ReviewDoor } from "./doors.js";
+import { LibraryDoor, PlotsDoor, ReviewDoor } from "./doors.js";
 import { Drops } from "./drops.js";
 import { pageEntries } from "./entries.js";
 import { FilmButton } from "./film-button.js";
@@ -17,7 +17,6 @@ import { Keyboard } from "./keys.js";
 import { ControlLine, ticks } from "./net.js";
 import { startPad } from "./pad.js";
 import { Palette } from "./palette.js";
-import { PlotDock } from "./plots.js";
 import { Shortcuts } from "./shortcuts.js";
 import { SourcePanel } from "./source.js";
 import { drawLink, drawStatus } from "./status.js";
@@ -88,7 +87,8 @@ $("#arm").addEventListener("click", actions.Enter);
 const shortcuts = new Shortcuts();
 const source = new SourcePanel(studio);
 const controls = new Controls(studio);
-const review = new ReviewDoor(studio, (take, t) => film.take(take, t));
+const plots = new PlotsDoor(studio);
+const review = new ReviewDoor(studio, (take, t) => film.take(take, t), plots);
 const takes = new TakesPanel(studio, review.open);
 const transport = new TransportBar(studio, () => review.on);
 const importer = new Importer(studio, review.open);
@@ -96,7 +96,6 @@ const collect = new CollectPanels(studio, review, importer);
 const library = new LibraryDoor(studio, { review: review.open, train: collect.trainOn });
 const drops = new Drops(source, importer);
 const history = new TickHistory();
-const plots = new PlotDock();
 startVocabulary();
 startPad(keyboard);
 cameraPanel(api, $(".panels > .card + .card"), (target) => keyboard.listen(target));
@@ -126,7 +125,7 @@ const palette = new Palette(() => [
   { words: "Arm: follow again", key: "Enter", run: actions.Enter },
   { words: "Library of takes", key: "U", run: library.open },
   { words: "Film the 3-D view", run: film.toggle },
-  { words: "Live plots", key: "J", run: plots.toggle },
+  { words: "Plots", key: "J", run: plots.toggle },
   { words: "Dark or light", key: "T", run: otherTheme },
   { words: "Keyboard shortcuts", key: "?", run: shortcuts.show },
 ]);

@@ -1,9 +1,11 @@
-// What is loaded only when it is wanted, so that the page is there sooner: review and library.
+// What is loaded only when it is wanted, so that the page is there sooner.
 
-import { attempt, el } from "./dom.js";
+import { $, attempt, el } from "./dom.js";
+import { Signals } from "./signals.js";
 
-/** @import { State } from "../types/page.js" */
+/** @import { State, Tick } from "../types/page.js" */
 /** @import { Hooks, Library } from "./library.js" */
+/** @import { PlotDock } from "./plots.js" */
 /** @import { Review } from "./review.js" */
 /** @import { Studio } from "./studio.js" */
 
@@ -17,10 +19,12 @@ export class ReviewDoor {
   /**
    * @param {Studio} studio
    * @param {(take: string, t: number) => unknown} film from t s on
+   * @param {PlotsDoor} plots
    */
-  constructor(studio, film) {
+  constructor(studio, film, plots) {
     this.studio = studio;
     this.film = film;
+    this.plots = plots;
   }
 
   /** Whether a take is on the bench. */
@@ -37,7 +41,7 @@ export class ReviewDoor {
   open = (name) =>
     attempt(async () => {
       const { Review } = await import("./review.js");
-      this.#review ??= new Review(this.studio, this.film);
+      this.#review ??= new Review(this.studio, this.film, this.plots);
       await this.#review.open(name);
     });
 
@@ -72,7 +76,67 @@ export class LibraryDoor {
     });
 }
 
-/** A button that opens it. */
+/**
+ * A take under review, and what goes to a time of it, s.
+ *
+ * @typedef {{ name: string, seek: (t: number) => unknown }} Bench
+ */
+
+/** The dock of plots, from when it is first open on; signals are kept for it from the start. */
+export class PlotsDoor {
+  #dock = /** @type {HTMLDetailsElement} */ ($("#plots"));
+  #signals = new Signals();
+  /** @type {PlotDock | null} */
+  #plots = null;
+  /** @type {Bench | null} */
+  #bench = null;
+
+  /** @param {Studio} studio */
+  constructor(studio) {
+    this.studio = studio;
+    this.#dock.addEventListener("toggle", () => {
+      localStorage.setItem("plots", this.#dock.open ? "open" : "");
+      document.body.toggleAttribute("data-plots", this.#dock.open);
+      attempt(this.#load);
+    });
+    this.#dock.open = localStorage.getItem("plots") === "open";
+  }
+
+  #load = async () => {
+    if (!this.#dock.open && !this.#plots) return;
+    const { PlotDock } = await import("./plots.js");
+    this.#plots ??= new PlotDock(this.studio.api, this.#signals);
+    await this.#plots.show(this.#bench);
+  };
+
+  /** Open or close it. */
+  toggle = () => {
+    this.#dock.open = !this.#dock.open;
+  };
+
+  /** The take on the bench instead of what is live; null for this again. */
+  show(/** @type {Bench | null} */ bench) {
+    this.#bench = bench;
+    attempt(this.#load);
+  }
+
+  /** The time at which that take is shown, s. @param {number} t */
+  at(t) {
+    this.#plots?.at(t);
+  }
+
+  /** @param {Tick} tick */
+  add(tick) {
+    if (!this.#plots?.frozen) this.#signals.add(tick);
+  }
+
+  /** Four times a second. */
+  draw() {
+    this.#plots?.draw();
+  }
+}
+
+/** A button that opens the library. */
 export const libraryButton = () =>
   el(
     "button",

@@ -1,17 +1,21 @@
-// The dock of live plots below the view: asked beside done, to freeze, read off and take away.
-
-import uPlot from "../vendor/uplot/uPlot.esm.js";
+// The dock of plots below the view: asked beside done, live or of the take under review.
 
 import { $, $button, $select, el, text } from "./dom.js";
 import { HISTORY } from "./history.js";
 import { FRAME } from "./motion.js";
-import { PLOTS, Signals } from "./signals.js";
+import { Plot } from "./plot.js";
+import { PLOTS, csv } from "./signals.js";
+import { capital } from "./words.js";
 
-/** @import { Tick } from "../types/page.js" */
+/** @import uPlot from "../vendor/uplot/uPlot.esm.js" */
+/** @import { Series } from "../types/page.js" */
+/** @import { Bench } from "./doors.js" */
+/** @import { Api } from "./net.js" */
+/** @import { Signals } from "./signals.js" */
 
-const HEIGHT = 150;
 const SECONDS = HISTORY * FRAME;
-const COLOURS = ["--reference", "--robot"];
+/** Instants of a take that are drawn: more than a screen has columns. */
+const POINTS = 2000;
 
 /** @param {string} name of a file @param {Blob} blob */
 function save(name, blob) {
@@ -21,13 +25,20 @@ function save(name, blob) {
 }
 
 export class PlotDock {
+  frozen = false;
   #dock = /** @type {HTMLDetailsElement} */ ($("#plots"));
-  #signals = new Signals();
-  #frozen = false;
-  /** @type {uPlot | null} */
+  /** @type {Plot | null} */
   #plot = null;
+  /** The take on the bench. @type {Bench | null} */
+  #bench = null;
+  /** What is known of it. @type {Series | null} */
+  #series = null;
+  #t = 0;
 
-  constructor() {
+  /** @param {Api} api @param {Signals} signals */
+  constructor(api, signals) {
+    this.api = api;
+    this.signals = signals;
     const choice = $select("#plot-what");
     choice.replaceChildren(
       ...Object.entries(PLOTS).map(([value, { title }]) => el("option", { value }, title)),
@@ -38,100 +49,98 @@ export class PlotDock {
       localStorage.setItem("plot", choice.value);
       this.#make();
     });
-    this.#dock.open = localStorage.getItem("plots") === "open";
-    this.#dock.addEventListener("toggle", () => {
-      localStorage.setItem("plots", this.#dock.open ? "open" : "");
-      this.#make();
-    });
-    $("#plot-freeze").addEventListener("click", () => this.#freeze(!this.#frozen));
+    $("#plot-freeze").addEventListener("click", () => this.#freeze(!this.frozen));
     $("#plot-csv").addEventListener("click", () =>
-      save("a1-signals.csv", new Blob([this.#signals.csv], { type: "text/csv" })),
+      save(`${this.#name}-signals.csv`, new Blob([this.#csv], { type: "text/csv" })),
     );
     $("#plot-png").addEventListener("click", () => {
-      const canvas = /** @type {HTMLCanvasElement | undefined} */ (this.#plot?.ctx.canvas);
-      canvas?.toBlob((blob) => blob && save(`a1-${choice.value}.png`, blob));
+      const name = `${this.#name}-${choice.value}.png`;
+      this.#plot?.canvas.toBlob((blob) => blob && save(name, blob));
     });
-    new ResizeObserver(() => this.#plot?.setSize(this.#size)).observe($("#plot"));
+    new ResizeObserver(() => this.#plot?.fit()).observe($("#plot"));
+  }
+
+  /** What is live, or a take; anew, too, where the dock was opened or closed. */
+  async show(/** @type {Bench | null} */ bench) {
+    if (bench !== this.#bench) this.#series = null;
+    this.#bench = bench;
+    this.#t = 0;
+    let trouble = "";
+    if (bench && this.#dock.open && !this.#series) {
+      this.#make();
+      const known = { name: bench.name, points: POINTS };
+      const series = await this.api
+        .get("/api/takes/{name}/series", known)
+        .catch((error) => void (trouble = capital(error.message)));
+      if (bench !== this.#bench) return; // another one is shown by now
+      this.#series = series ?? null;
+      if (series?.problem) trouble = `The take ends early: ${series.problem}`;
+    }
+    text($("#plot-error"), trouble);
+    $("#plot-error").hidden = !trouble;
     this.#make();
   }
 
-  /** Open or close it. */
-  toggle = () => {
-    this.#dock.open = !this.#dock.open;
-  };
-
-  /** @param {Tick} tick */
-  add(tick) {
-    if (!this.#frozen) this.#signals.add(tick);
+  /** The time at which the take is shown, s. @param {number} t */
+  at(t) {
+    if (t === this.#t) return;
+    this.#t = t;
+    if (this.#series) this.#plot?.at(t);
   }
 
   /** Four times a second. */
   draw() {
-    const { lag } = this.#signals;
-    text($("#plot-lag"), lag === null ? "" : `joints follow ${lag.toFixed(0)} ms behind`);
-    if (this.#plot && !this.#frozen) this.#plot.setData(this.#data);
+    const { lag } = this.signals;
+    const late = lag === null ? "" : `joints follow ${lag.toFixed(0)} ms behind`;
+    text($("#plot-lag"), this.#bench ? "of the take" : late);
+    if (this.#plot && !this.#bench && !this.frozen) this.#plot.data = this.#data;
   }
 
   get #what() {
     return PLOTS[$select("#plot-what").value];
   }
 
-  get #size() {
-    return { width: $("#plot").clientWidth, height: HEIGHT };
+  get #name() {
+    return this.#bench?.name ?? "a1";
   }
 
-  /** Seconds before now, and each curve. @returns {uPlot.AlignedData} */
+  /** One signal of what is shown. @param {string} name */
+  #of = (name) => (this.#series ? this.#series.signals[name] : this.signals.of(name));
+
+  get #csv() {
+    return csv(this.#series?.t_s ?? this.signals.times, this.#of);
+  }
+
+  /** Seconds into the take, or before now, and each curve. @returns {uPlot.AlignedData} */
   get #data() {
-    const { samples } = this.#signals;
-    const now = samples.at(-1)?.t ?? 0;
-    const curves = this.#what.curves.map(([name]) => samples.map((sample) => sample[name]));
-    return [samples.map(({ t }) => t - now), ...curves];
+    const curves = this.#what.curves.map(([name]) => this.#of(name));
+    if (this.#series) return [this.#series.t_s, ...curves];
+    const { times } = this.signals;
+    return [times.map((t) => t - (times.at(-1) ?? 0)), ...curves];
   }
 
   /** @param {boolean} frozen */
   #freeze(frozen) {
-    this.#frozen = frozen;
+    this.frozen = frozen;
     const button = $button("#plot-freeze");
     button.setAttribute("aria-pressed", String(frozen));
     text(button, frozen ? "Go on" : "Freeze");
-    if (!frozen) this.#signals.clear();
+    if (!frozen) this.signals.clear();
   }
 
   #make() {
     this.#plot?.destroy();
     this.#plot = null;
-    if (!this.#dock.open) return;
-    const { unit, digits, curves } = this.#what;
-    const style = getComputedStyle(document.documentElement);
-    const colour = (/** @type {string} */ name) => style.getPropertyValue(name).trim();
-    const axis = {
-      stroke: () => colour("--muted"),
-      grid: { stroke: () => colour("--line"), width: 1 },
-      ticks: { show: false },
-      font: "11px system-ui, sans-serif",
-    };
-    const shown = (/** @type {uPlot} */ _, /** @type {number | null} */ value) =>
-      value == null ? "–" : `${value.toFixed(digits)} ${unit}`;
-    this.#plot = new uPlot(
-      {
-        ...this.#size,
-        scales: { x: { time: false, range: [-SECONDS, 0] } },
-        axes: [
-          { ...axis, size: 24, values: (_, at) => at.map((s) => `${s} s`) },
-          { ...axis, size: 52, values: (_, at) => at.map((v) => `${+v.toFixed(3)}`) },
-        ],
-        series: [
-          { label: "Time", value: (_, s) => (s == null ? "–" : `${s.toFixed(1)} s`) },
-          ...curves.map(([, label], i) => ({
-            label,
-            stroke: () => colour(COLOURS[i]),
-            width: 1.6,
-            value: shown,
-          })),
-        ],
-      },
-      this.#data,
-      $("#plot"),
-    );
+    $("#plot-freeze").hidden = this.#bench !== null;
+    const span = this.#bench ? "take" : "last 20 s";
+    $("#plot-csv").title = `All signals of the ${span}`;
+    const lacking = this.#bench !== null && !this.#series;
+    for (const button of ["#plot-csv", "#plot-png"]) $button(button).disabled = lacking;
+    if (!this.#dock.open || lacking) return;
+    const { seconds } = this.#series ?? {};
+    /** @type {[number, number]} */
+    const range = seconds === undefined ? [-SECONDS, 0] : [0, seconds];
+    this.#plot = new Plot(this.#what, this.#data, range, this.#bench?.seek ?? null);
+    if (this.#series) this.#plot.at(this.#t);
   }
 }

@@ -9,6 +9,7 @@ import { Timeline } from "./timeline.js";
 
 /** @import { Edits, Seek, State, Take } from "../types/page.js" */
 /** @import { Actions } from "./bench.js" */
+/** @import { PlotsDoor } from "./doors.js" */
 /** @import { Studio } from "./studio.js" */
 
 /** Points of each curve. */
@@ -30,10 +31,12 @@ export class Review {
   /**
    * @param {Studio} studio
    * @param {(take: string, t: number) => unknown} film from t s on
+   * @param {PlotsDoor} plots
    */
-  constructor(studio, film) {
+  constructor(studio, film, plots) {
     this.studio = studio;
     this.film = film;
+    this.plots = plots;
     this.#actions = this.#does();
     $(".stage").append(benchOf(this.#actions));
     this.#timeline = new Timeline($canvas("#timeline"), {
@@ -195,6 +198,13 @@ export class Review {
   #show(on) {
     if (!on) this.#take = null;
     $("#bench").hidden = !on;
+    document.body.toggleAttribute("data-reviewing", on);
+    this.plots.show(
+      this.#take && {
+        name: this.#take.name,
+        seek: (t) => this.#seek({ t, playing: false }),
+      },
+    );
     $(".stage").classList.toggle("has-bench", on);
   }
 
@@ -225,6 +235,7 @@ export class Review {
     if (replay?.name === this.#take.name) {
       drawPlaying(replay, this.#take.seconds);
       this.#timeline.at(replay.t, replay.playing ? replay.speed : 0);
+      this.plots.at(replay.t);
     } else if (mode !== "replay" && mode !== this.#came) {
       this.#show(false); // somebody chose another mode
     }

@@ -11,7 +11,7 @@ const ROWS = [
   ["1–4", "camera: front, side, behind, above"],
   ["T", "dark or light"],
   ["H", "record, and end the take"],
-  ["J", "live plots"],
+  ["J", "plots"],
   ["U", "the library: all takes, many at once (Shift, Ctrl A, Delete), the bin"],
   ["Ctrl K", "everything the page can do, by typing"],
   ["?", "this help"],

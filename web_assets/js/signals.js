@@ -13,64 +13,72 @@ const LAG_MOST = 12;
 /** rad: where the joints asked for move less there is no lag to see. */
 const MOVES = 0.02;
 const DEG = 180 / Math.PI;
-/** Of a sample's numbers, by the first word of their names. @type {Record<string, string>} */
-const UNITS = {
-  t: "s",
-  speed: "m_s",
-  turn: "deg_s",
-  roll: "deg",
-  pitch: "deg",
-  height: "cm",
-  paw: "cm",
-  joint: "deg",
-};
+/** Between two looks for the lag, in ticks. */
+const LAG_EVERY = 6;
 
 /**
- * Plots by name: a title, a unit, decimals, and the curves' names in `Sample`.
+ * Plots by name: a title, a unit, decimals, and the curves' names in a sample, which are those of
+ * `GET /api/takes/{name}/series`, too.
  *
  * @type {Record<string, { title: string, unit: string, digits: number,
- *   curves: [keyof Sample, string][] }>}
+ *   curves: [string, string][] }>}
  */
 export const PLOTS = {
-  speed: { title: "Speed", unit: "m/s", digits: 2, curves: pair("speed") },
-  turn: { title: "Turn", unit: "°/s", digits: 0, curves: pair("turn") },
-  roll: { title: "Tilt sideways", unit: "°", digits: 1, curves: pair("roll") },
-  pitch: { title: "Tilt forward", unit: "°", digits: 1, curves: pair("pitch") },
-  height: { title: "Trunk height", unit: "cm", digits: 1, curves: pair("height") },
+  speed: { title: "Speed", unit: "m/s", digits: 2, curves: pair("speed", "m_s") },
+  turn: { title: "Turn", unit: "°/s", digits: 0, curves: pair("turn", "deg_s") },
+  roll: { title: "Tilt sideways", unit: "°", digits: 1, curves: pair("roll", "deg") },
+  pitch: { title: "Tilt forward", unit: "°", digits: 1, curves: pair("pitch", "deg") },
+  height: { title: "Trunk height", unit: "cm", digits: 1, curves: pair("height", "cm") },
   paws: {
     title: "Front paws' height",
     unit: "cm",
     digits: 1,
     curves: [
-      ["pawRight", "right"],
-      ["pawLeft", "left"],
+      ["paw_right_cm", "right"],
+      ["paw_left_cm", "left"],
     ],
   },
   error: {
     title: "Joint error, RMS",
     unit: "°",
     digits: 1,
-    curves: [["jointError", "between asked and done"]],
+    curves: [["joint_error_deg", "between asked and done"]],
+  },
+  lag: {
+    title: "Joints' lag",
+    unit: "ms",
+    digits: 0,
+    curves: [["joints_late_ms", "behind those asked for"]],
   },
 };
 
-/**
- * One tick: s, m/s, °/s, °, cm.
- *
- * @typedef {Record<"t" | "speedAsked" | "speedDone" | "turnAsked" | "turnDone" | "rollAsked" |
- *   "rollDone" | "pitchAsked" | "pitchDone" | "heightAsked" | "heightDone" | "pawRight" |
- *   "pawLeft" | "jointError", number>} Sample
- */
+/** Every signal, in the order of its plots. */
+const NAMES = Object.values(PLOTS).flatMap(({ curves }) => curves.map(([name]) => name));
 
 /**
- * @param {"speed" | "turn" | "roll" | "pitch" | "height"} name
- * @returns {[keyof Sample, string][]}
+ * One tick: t_s, and each signal in the unit that its name ends with; null where there is none.
+ *
+ * @typedef {Record<string, number | null>} Sample
  */
-function pair(name) {
+
+/** @param {string} name @param {string} unit @returns {[string, string][]} */
+function pair(name, unit) {
   return [
-    [`${name}Asked`, "asked"],
-    [`${name}Done`, "done"],
+    [`${name}_asked_${unit}`, "asked"],
+    [`${name}_done_${unit}`, "done"],
   ];
+}
+
+/**
+ * A row a time, with units in the header; nothing where there is no value.
+ *
+ * @param {number[]} t s
+ * @param {(name: string) => (number | null | undefined)[]} values by signal
+ */
+export function csv(t, values) {
+  const columns = [t, ...NAMES.map(values)];
+  const rows = t.map((_, i) => columns.map((column) => column[i]?.toFixed(4) ?? ""));
+  return [["t_s", ...NAMES], ...rows].map((row) => row.join(",")).join("\n") + "\n";
 }
 
 /** An angle (rad) as the shortest way to it. @param {number} a */
@@ -84,6 +92,8 @@ export class Signals {
   #yaws = /** @type {[number, number][]} */ ([]);
   #joints = /** @type {[number[], number[]][]} */ ([]);
   #index = 0;
+  /** ms, of when it was last looked for. @type {number | null} */
+  #late = null;
 
   /** @param {Pick<Tick, "index" | "t" | "reference" | "robot">} tick */
   add({ index, t, reference, robot }) {
@@ -93,31 +103,34 @@ export class Signals {
     const forward = (/** @type {number[]} */ v, /** @type {number} */ yaw) =>
       v[0] * Math.cos(yaw) + v[1] * Math.sin(yaw);
     const before = this.#yaws.at(-TURN_OVER);
-    const since = this.samples.at(-TURN_OVER)?.t ?? t;
+    const since = this.samples.at(-TURN_OVER)?.t_s ?? t;
     const turn = (/** @type {number} */ now, /** @type {number | undefined} */ then) =>
       then === undefined || t <= since ? 0 : (DEG * shortest(now - then)) / (t - since);
     const misses = reference.joint_pos.map((q, i) => (q - robot.joint_pos[i]) ** 2);
+    keep(this.#joints, LAG_OVER + LAG_MOST, [reference.joint_pos, robot.joint_pos]);
+    if (index % LAG_EVERY === 0) this.#late = this.lag;
     keep(this.samples, HISTORY, {
-      t,
-      speedAsked: forward(reference.base_lin_vel_w, asked.yaw),
-      speedDone: forward(robot.base_lin_vel_w, done.yaw),
-      turnAsked: turn(asked.yaw, before?.[0]),
-      turnDone: turn(done.yaw, before?.[1]),
-      rollAsked: DEG * asked.roll,
-      rollDone: DEG * done.roll,
-      pitchAsked: DEG * asked.pitch,
-      pitchDone: DEG * done.pitch,
-      heightAsked: 100 * reference.base_pos[2],
-      heightDone: 100 * robot.base_pos[2],
-      pawRight: 100 * robot.foot_pos_w[0][2],
-      pawLeft: 100 * robot.foot_pos_w[1][2],
-      jointError: DEG * Math.sqrt(misses.reduce((sum, e) => sum + e, 0) / misses.length),
+      t_s: t,
+      speed_asked_m_s: forward(reference.base_lin_vel_w, asked.yaw),
+      speed_done_m_s: forward(robot.base_lin_vel_w, done.yaw),
+      turn_asked_deg_s: turn(asked.yaw, before?.[0]),
+      turn_done_deg_s: turn(done.yaw, before?.[1]),
+      roll_asked_deg: DEG * asked.roll,
+      roll_done_deg: DEG * done.roll,
+      pitch_asked_deg: DEG * asked.pitch,
+      pitch_done_deg: DEG * done.pitch,
+      height_asked_cm: 100 * reference.base_pos[2],
+      height_done_cm: 100 * robot.base_pos[2],
+      paw_right_cm: 100 * robot.foot_pos_w[0][2],
+      paw_left_cm: 100 * robot.foot_pos_w[1][2],
+      joint_error_deg: DEG * Math.sqrt(misses.reduce((sum, e) => sum + e, 0) / misses.length),
+      joints_late_ms: this.#late,
     });
     keep(this.#yaws, TURN_OVER, [asked.yaw, done.yaw]);
-    keep(this.#joints, LAG_OVER + LAG_MOST, [reference.joint_pos, robot.joint_pos]);
   }
 
   clear() {
+    this.#late = null;
     for (const list of [this.samples, this.#yaws, this.#joints]) list.length = 0;
   }
 
@@ -135,16 +148,13 @@ export class Signals {
     return 1000 * FRAME * misses.indexOf(Math.min(...misses));
   }
 
-  /** All that is kept, a row a tick, with units in the header. */
-  get csv() {
-    const names = /** @type {(keyof Sample)[]} */ (Object.keys(this.samples[0] ?? {}));
-    const header = names.map((name) => {
-      const words = name.split(/(?=[A-Z])/).map((word) => word.toLowerCase());
-      return [...words, UNITS[words[0]]].join("_");
-    });
-    const rows = this.samples.map((sample) => names.map((name) => sample[name].toFixed(4)));
-    return [header, ...rows].map((row) => row.join(",")).join("\n") + "\n";
+  /** s of each sample; those of another run never mix with these. */
+  get times() {
+    return this.samples.map(({ t_s }) => t_s ?? 0);
   }
+
+  /** One signal over all that is kept. @param {string} name */
+  of = (name) => this.samples.map((sample) => sample[name]);
 }
 
 /** Mean square of what lies between. @param {number[]} a @param {number[]} b */

@@ -1,6 +1,7 @@
 // The timeline's canvas: scrubbing and trimming by pointer; timeline-paint.js draws it.
 
 import { FRAME } from "./motion.js";
+import { rarely } from "./rarely.js";
 import { Scale, paintCurves, paintMarks } from "./timeline-paint.js";
 
 /** @import { Curves, Review, Suggestion } from "../types/page.js" */
@@ -74,9 +75,8 @@ export class Timeline {
   #t = 0;
   #speed = 0;
   #stamp = 0;
-  #sent = 0;
-  /** @type {ReturnType<typeof setTimeout> | undefined} */
-  #late;
+  /** @type {(t: number) => void} */
+  #seek;
   #version = 0;
   #painted = { key: "", curves: document.createElement("canvas") };
 
@@ -87,6 +87,7 @@ export class Timeline {
   constructor(canvas, on) {
     this.canvas = canvas;
     this.on = on;
+    this.#seek = rarely(RARELY, on.seek);
     canvas.addEventListener("pointerdown", (event) => this.#down(event));
     canvas.addEventListener("pointermove", (event) => this.#move(event));
     canvas.addEventListener("pointerup", () => this.#up());
@@ -180,18 +181,6 @@ export class Timeline {
       this.#moved = true;
     }
     this.draw();
-  }
-
-  /** The last position must arrive; those on the way may be thinned. @param {number} t */
-  #seek(t) {
-    clearTimeout(this.#late);
-    const send = () => {
-      this.#sent = performance.now();
-      this.on.seek(t);
-    };
-    const wait = RARELY - (performance.now() - this.#sent);
-    if (wait <= 0) send();
-    else this.#late = setTimeout(send, wait);
   }
 
   #up() {

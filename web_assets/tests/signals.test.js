@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { HISTORY } from "../js/history.js";
-import { Signals } from "../js/signals.js";
+import { Signals, csv } from "../js/signals.js";
 
 const yawed = (yaw) => [Math.cos(yaw / 2), 0, 0, Math.sin(yaw / 2)];
 const pose = (more) => ({
@@ -36,15 +36,17 @@ test("speed is along the heading, turns are per second, the rest in degrees and 
   }
   const last = signals.samples.at(-1);
   const near = (name, value) => assert.ok(Math.abs(last[name] - value) < 1e-6, name);
-  near("turnAsked", (0.6 * 180) / Math.PI);
-  near("turnDone", 0);
-  near("rollDone", (0.2 * 180) / Math.PI);
-  near("speedDone", 0.4);
-  near("heightAsked", 30);
-  near("pawRight", 5);
-  near("jointError", (0.1 * 180) / Math.PI);
-  assert.match(signals.csv, /^t_s,speed_asked_m_s,/);
-  assert.equal(signals.csv.split("\n").length, 22);
+  near("turn_asked_deg_s", (0.6 * 180) / Math.PI);
+  near("turn_done_deg_s", 0);
+  near("roll_done_deg", (0.2 * 180) / Math.PI);
+  near("speed_done_m_s", 0.4);
+  near("height_asked_cm", 30);
+  near("paw_right_cm", 5);
+  near("joint_error_deg", (0.1 * 180) / Math.PI);
+  const lines = csv(signals.times, signals.of).split("\n");
+  assert.match(lines[0], /^t_s,speed_asked_m_s,.*,joints_late_ms$/);
+  assert.match(lines[1], /^0\.0000,.*,$/); // no lag yet: nothing stands there
+  assert.equal(lines.length, 22);
 });
 
 test("the lag is by how much the joints are late, and none where nothing moves", () => {
@@ -72,7 +74,7 @@ test("ticks counted anew begin anew, and times that repeat do not", () => {
   const add = (index, t) => signals.add({ index, t, reference: pose(), robot: pose() });
   for (let i = 1; i < 30; i += 1) add(i, Math.floor(i / 20));
   assert.equal(signals.samples.length, 29);
-  assert.ok(signals.samples.every((sample) => Number.isFinite(sample.turnDone)));
+  assert.ok(signals.samples.every((sample) => Number.isFinite(sample.turn_done_deg_s)));
   add(1, 0);
   assert.equal(signals.samples.length, 1);
 });

@@ -681,6 +681,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/takes/{name}/series": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Signals
+         * @description Speed, turn, tilt, height, paws, joint error and lag over the whole take, for plots.
+         */
+        get: operations["signals_api_takes__name__series_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/takes/{name}/align": {
         parameters: {
             query?: never;
@@ -2243,6 +2263,25 @@ export interface components {
             speed?: number | null;
             /** Loop */
             loop?: boolean | null;
+        };
+        /**
+         * Series
+         * @description What was asked of the robot beside what it did: t_s (N,) s into the take, and by name, unit
+         *     included, signals (N,), null where there is none. problem: why the tape ends early, or "".
+         */
+        Series: {
+            /** T S */
+            t_s: number[];
+            /** Signals */
+            signals: {
+                [key: string]: (number | null)[];
+            };
+            /** Seconds */
+            seconds: number;
+            /** Ticks */
+            ticks: number;
+            /** Problem */
+            problem: string;
         };
         /**
          * SetController
@@ -4226,6 +4265,48 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Timeline"];
+                };
+            };
+            /** @description there is none of that name: see `why` */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    signals_api_takes__name__series_get: {
+        parameters: {
+            query?: {
+                points?: number;
+            };
+            header?: never;
+            path: {
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Series"];
                 };
             };
             /** @description there is none of that name: see `why` */

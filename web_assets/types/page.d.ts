@@ -13,6 +13,7 @@ export type Review = Schemas["Review"];
 export type Alignment = Schemas["Alignment"];
 export type Suggestion = Schemas["Suggestion"];
 export type Curves = Schemas["Timeline"];
+export type Series = Schemas["Series"];
 export type Task = Schemas["Task"];
 export type PlanItem = Schemas["PlanItem"];
 export type CoverageMap = Schemas["CoverageMap"];
