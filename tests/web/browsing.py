@@ -32,15 +32,24 @@ class Browsing:
 
     @contextmanager
     def page(
-        self, served: Served, width: int, height: int, path: str = "/", **more: Any
+        self,
+        served: Served,
+        width: int,
+        height: int,
+        path: str = "/",
+        script: str = "",
+        **more: Any,
     ) -> Iterator[Any]:
         """A page of `served` in a context of its own, `width` by `height` pixels, being opened.
 
-        more: what the context is told besides, as `reduced_motion`.
+        script: runs in each of its frames before anything of theirs. more: what the context is
+        told besides, as `reduced_motion`.
         """
         context = self.browser.new_context(
             viewport={"width": width, "height": height}, color_scheme="dark", **more
         )
+        if script:
+            context.add_init_script(script)
         page = context.new_page()
         ours = (served.base, f"ws://127.0.0.1:{served.port}", "data:", "blob:")
         page.on("pageerror", lambda error: self.problems.append(str(error)))

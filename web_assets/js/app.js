@@ -2,17 +2,15 @@
 
 import { Alarm, drawStale } from "./alarm.js";
 import { captionsOf } from "./captions.js";
-import { CollectPanels } from "./collect.js";
 import { Controls } from "./controls.js";
 import { $, $$, attempt, calm, leave, openDialog, text, toast } from "./dom.js";
-import { LibraryDoor, PlotsDoor, ReviewDoor } from "./doors.js";
+import { CollectDoor, LibraryDoor, PlotsDoor, ReviewDoor } from "./doors.js";
 import { Drops } from "./drops.js";
 import { pageEntries } from "./entries.js";
 import { FilmButton } from "./film-button.js";
 import { Guide } from "./guide.js";
 import { drawHealth } from "./health.js";
 import { TickHistory } from "./history.js";
-import { Importer } from "./imports.js";
 import { Keyboard } from "./keys.js";
 import { ControlLine, ticks } from "./net.js";
 import { startPad } from "./pad.js";
@@ -91,10 +89,9 @@ const plots = new PlotsDoor(studio);
 const review = new ReviewDoor(studio, (take, t) => film.take(take, t), plots);
 const takes = new TakesPanel(studio, review.open);
 const transport = new TransportBar(studio, () => review.on);
-const importer = new Importer(studio, review.open);
-const collect = new CollectPanels(studio, review, importer);
+const collect = new CollectDoor(studio, review);
 const library = new LibraryDoor(studio, { review: review.open, train: collect.trainOn });
-const drops = new Drops(source, importer);
+const drops = new Drops(source, collect.take);
 const history = new TickHistory();
 startVocabulary();
 startPad(keyboard);
@@ -107,7 +104,7 @@ const guide = new Guide({
     $("#record").click();
   },
   review: takes.reviewLast,
-  train: () => collect.keepAndTrain(review),
+  train: collect.keepAndTrain,
 });
 $("#guide-again").addEventListener("click", guide.begin);
 const view = new View({
@@ -130,7 +127,7 @@ const palette = new Palette(() => [
   { words: "Keyboard shortcuts", key: "?", run: shortcuts.show },
 ]);
 keyboard.also({
-  ...collect.coach.keys,
+  ...collect.keys,
   ...oneOf(transport.keys, review.keys),
   1: () => view.look("front"),
   2: () => view.look("side"),

@@ -5,12 +5,12 @@ import { Collected } from "./collected.js";
 import { drawMap } from "./datamap.js";
 import { $, el, text } from "./dom.js";
 import { libraryButton } from "./doors.js";
+import { Importer } from "./imports.js";
 import { MappersPanel } from "./mappers.js";
 import { Plan } from "./plan.js";
 import { TrainPanel } from "./train.js";
 
 /** @import { State } from "../types/page.js" */
-/** @import { Importer } from "./imports.js" */
 /** @import { ReviewDoor } from "./doors.js" */
 /** @import { Studio } from "./studio.js" */
 
@@ -27,10 +27,11 @@ export class CollectPanels {
   /** What was drawn last: a change of it is a reason to read takes and map anew. */
   #last = { on: false, phase: "", done: 0 };
 
-  /** @param {Studio} studio @param {ReviewDoor} review @param {Importer} importer */
-  constructor(studio, review, importer) {
+  /** @param {Studio} studio @param {ReviewDoor} review */
+  constructor(studio, review) {
     this.studio = studio;
     this.review = review;
+    this.importer = new Importer(studio, review.open);
     this.coach = new Coach(studio, review.open);
     this.plan = new Plan(studio, () => this.coach.unlock());
     this.collected = new Collected(studio, review.open, (names) => this.train.pick(names));
@@ -39,9 +40,9 @@ export class CollectPanels {
       el("div", { id: "map-next", class: "proposals" }),
       el("div", { id: "map-states", class: "map" }),
     ];
-    $(".panels").prepend(
+    $("#guide").after(
       card("collect", "Collect", ...this.plan.fields()),
-      card("collected-card", "Takes", libraryButton(), importer.zone(), ...list),
+      card("collected-card", "Takes", libraryButton(), this.importer.zone(), ...list),
       card("map", "What is covered", ...covered),
       card("train", "Train a mapper of your own", el("div", { id: "train-body" })),
     );
@@ -53,12 +54,6 @@ export class CollectPanels {
     });
     this.plan.load();
     this.collected.refresh();
-  }
-
-  /** Keep the take on the bench, and go to where it is trained on. @param {ReviewDoor} review */
-  async keepAndTrain(review) {
-    if (review.on) await review.keep();
-    await this.trainOn();
   }
 
   /**
@@ -88,7 +83,6 @@ export class CollectPanels {
     const { collect, mapper } = state;
     const { phase, done, total } = collect;
     const on = this.studio.collecting;
-    document.body.dataset.work = on || this.review.on ? "collect" : "";
     const last = this.#last;
     this.#last = { on, phase, done };
     if (on && (!last.on || phase !== last.phase || done !== last.done)) {

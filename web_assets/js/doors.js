@@ -4,12 +4,17 @@ import { $, attempt, el } from "./dom.js";
 import { Signals } from "./signals.js";
 
 /** @import { State, Tick } from "../types/page.js" */
+/** @import { CollectPanels } from "./collect.js" */
+/** @import { Found } from "./files.js" */
 /** @import { Hooks, Library } from "./library.js" */
 /** @import { PlotDock } from "./plots.js" */
 /** @import { Review } from "./review.js" */
 /** @import { Studio } from "./studio.js" */
 
 const KEYS = ["P", ",", ".", "I", "O", "Z", "Y", "L"];
+const COACH_KEYS = ["G", "V", "K", "B", "N", "M"];
+const SOON = 1500; // ms after the page's start, when nothing else is waited for
+const AGAIN = 3000; // ms until another try
 
 /** The review's bench, from the first take that is opened on. */
 export class ReviewDoor {
@@ -53,6 +58,65 @@ export class ReviewDoor {
   /** Ten times a second, with the state. @param {State} state */
   draw(state) {
     this.#review?.draw(state);
+  }
+}
+
+/** Collecting, imports, training: from soon after the start on, or at once where it is wanted. */
+export class CollectDoor {
+  /** @type {CollectPanels | null} */
+  #panels = null;
+  /** @type {Promise<CollectPanels> | null} */
+  #loading = null;
+  /** ms at which it is loaded unasked. */
+  #due = performance.now() + SOON;
+
+  /** @param {Studio} studio @param {ReviewDoor} review */
+  constructor(studio, review) {
+    this.studio = studio;
+    this.review = review;
+  }
+
+  /** @returns {Promise<CollectPanels>} */
+  #load() {
+    this.#loading ??= import("./collect.js").then(
+      ({ CollectPanels }) => (this.#panels = new CollectPanels(this.studio, this.review)),
+      (error) => {
+        this.#loading = null;
+        throw error;
+      },
+    );
+    return this.#loading;
+  }
+
+  /** What keys do while collecting. */
+  get keys() {
+    return Object.fromEntries(
+      COACH_KEYS.map((key) => [key, () => this.#panels?.coach.keys[key]()]),
+    );
+  }
+
+  /** Keep the take on the bench, and go to where it is trained on. */
+  keepAndTrain = async () => {
+    if (this.review.on) await this.review.keep();
+    await this.trainOn();
+  };
+
+  /** Go to where takes are trained on, with these ticked. @param {string[]} [names] */
+  trainOn = async (names) => (await this.#load()).trainOn(names);
+
+  /** Files that become takes. @param {Found[]} files */
+  take = (files) => attempt(async () => (await this.#load()).importer.take(files));
+
+  /** Ten times a second, with the state. @param {State} state */
+  draw(state) {
+    const on = this.studio.collecting;
+    document.body.dataset.work = on || this.review.on ? "collect" : "";
+    const now = performance.now();
+    if (this.#panels) this.#panels.draw(state);
+    else if (!this.#loading && (on || now > this.#due)) {
+      this.#due = now + AGAIN; // where nothing answers, the page says so elsewhere
+      this.#load().catch(() => {});
+    }
   }
 }
 

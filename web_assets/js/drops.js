@@ -3,7 +3,7 @@
 import { $, text } from "./dom.js";
 import { gathered, wantsImport } from "./files.js";
 
-/** @import { Importer } from "./imports.js" */
+/** @import { Found } from "./files.js" */
 /** @import { SourcePanel } from "./source.js" */
 
 const KINDS = /** @type {const} */ (["dragenter", "dragover", "dragleave", "drop"]);
@@ -12,10 +12,10 @@ export class Drops {
   /** How many nested elements the file is over. */
   #depth = 0;
 
-  /** @param {SourcePanel} source @param {Importer} importer */
-  constructor(source, importer) {
+  /** @param {SourcePanel} source @param {(files: Found[]) => unknown} keep them as takes */
+  constructor(source, keep) {
     this.source = source;
-    this.importer = importer;
+    this.keep = keep;
     for (const kind of KINDS) window.addEventListener(kind, this.drag);
   }
 
@@ -44,8 +44,7 @@ export class Drops {
 
   /** @param {DataTransfer} transfer */
   #take(transfer) {
-    if (this.#kept || wantsImport(transfer))
-      gathered(transfer).then((files) => this.importer.take(files));
+    if (this.#kept || wantsImport(transfer)) gathered(transfer).then(this.keep);
     else if (transfer.files[0]) this.source.open(transfer.files[0]);
   }
 }

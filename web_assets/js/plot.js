@@ -16,6 +16,8 @@ export class Plot {
   /** @type {uPlot} */
   #plot;
   #host = $("#plot");
+  /** The time shown elsewhere, s. @type {number | null} */
+  #t = null;
 
   /**
    * @param {(typeof PLOTS)[string]} what
@@ -37,6 +39,7 @@ export class Plot {
     this.#plot = new uPlot(
       {
         ...this.#size,
+        hooks: { draw: [(plot) => this.#place(plot)] },
         cursor: { drag: { x: false, y: false } },
         scales: { x: { time: false, range } },
         axes: [
@@ -90,10 +93,16 @@ export class Plot {
 
   /** The time shown elsewhere: a line there, and its values where nothing is pointed at. */
   at(/** @type {number} */ t) {
-    const plot = this.#plot;
+    this.#t = t;
+    this.#place(this.#plot);
+  }
+
+  /** Again with every drawing: until the first, and when the width changes, places do. */
+  #place(/** @type {uPlot} */ plot) {
+    if (this.#t === null) return;
     this.#now.hidden = false;
-    setStyle(this.#now, { left: `${plot.valToPos(t, "x")}px` });
-    if ((plot.cursor.left ?? -1) < 0) plot.setLegend({ idx: plot.valToIdx(t) });
+    setStyle(this.#now, { left: `${plot.valToPos(this.#t, "x")}px` });
+    if ((plot.cursor.left ?? -1) < 0) plot.setLegend({ idx: plot.valToIdx(this.#t) });
   }
 
   fit() {
