@@ -87,6 +87,7 @@ class State(TypedDict):
     scene: str
     progress: dict[str, Any]
     props: dict[str, list[float]]
+    person: str
     latency_ms: dict[str, float]
     counters: dict[str, int]
     robot: Pose

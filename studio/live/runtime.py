@@ -8,6 +8,7 @@ from typing import Any
 from studio.control.drive_command import DriveCommand, PuppeteerConfig, Reason
 from studio.errors import StudioError
 from studio.human.calibration import Calibration, calibrate
+from studio.live.best_runs import Props, SceneRuns
 from studio.live.collect_stages import Step
 from studio.live.collecting import Collector
 from studio.live.mappers import SHIPPED, Mappers, OpenedMapper
@@ -18,8 +19,6 @@ from studio.live.source_reader import OpenedSource, ReplacedSource, SourceReader
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
 from studio.robot.pose import ReferencePose
-from studio.scenes.scene import Scene
-from studio.sim.prop_world import PropPoses
 from studio.sources import Source
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
@@ -60,10 +59,10 @@ class Runtime:
         self.replay: Replay | None = None
         self.collector = Collector(config.sessions, self.recorder)
         self.mappers = Mappers(self.puppeteer.retargeter.experts)
-        self.replaced = ReplacedSource()
+        self.replaced, self.runs = ReplacedSource(), SceneRuns(config.sessions)
         self.last_take: str | None = None
         self.reason: Reason = ""  # for the last tick's `why`
-        self.props: tuple[Scene, PropPoses] | None = None  # beside the last tick's robot
+        self.props: Props = None  # beside the last tick's robot
         self._replayed = 0
 
     @property
@@ -126,9 +125,7 @@ class Runtime:
             self.safety.stop(f"a fault: {error}", "fault")
             self.puppeteer.place("stand")
             raise
-        stage = self.puppeteer.stage
-        if (poses := stage.prop_poses()) is not None:
-            self.props = stage.scene, poses
+        self.props = self.runs.watch(self.puppeteer.stage, self.source.name)
         self.reason = self.puppeteer.reason
         if tick.fallen and not self.safety.stopped:
             self.safety.fall(now, demo=self._demo)
@@ -245,5 +242,6 @@ class Runtime:
         """End a take in good order and free the source."""
         self.replaced.forget()
         self.recorder.close()
+        self.runs.close()
         self.collector.close()
         self.reader.close()

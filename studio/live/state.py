@@ -154,6 +154,7 @@ KEYS: dict[str, Key] = {
     "source_report": Key(SourceReport, Seen.source_report),
     "scene": Key(str, lambda seen: seen.runtime.puppeteer.stage.name),
     "progress": Key(Progress, lambda seen: seen.runtime.puppeteer.stage.progress()),
+    "person": Key(str, lambda seen: seen.runtime.runs.person),
     "props": Key(dict[str, list[float]], Seen.props),
     "latency_ms": Key(dict[str, float], lambda seen: seen.tick_message["timings_ms"]),
     "period_error_ms": Key(dict[str, float], Seen.punctuality),

@@ -1,5 +1,6 @@
 """Fetch: a ball has to be pushed into a goal."""
 
+from studio.scenes.body import MARCH, STEER
 from studio.scenes.checks import touched_by_robot, touches
 from studio.scenes.scene import Scene, Step
 from studio.scenes.things import BLUE, ORANGE
@@ -29,10 +30,16 @@ SCENE = Scene(
     props=(BALL, NET, *SIDES),
     scatter={"ball": (0.1, 0.1, 0.0)},
     steps=(
-        Step(name="reach", goal="Walk to the ball.", done=touched_by_robot("ball")),
+        Step(
+            name="reach",
+            goal="Walk to the ball.",
+            body=MARCH,
+            done=touched_by_robot("ball"),
+        ),
         Step(
             name="goal",
             goal="Push the ball into the goal, against its net.",
+            body=STEER,
             done=touches("ball", "net"),
             within=120.0,
         ),

@@ -1,6 +1,7 @@
 """The paper's first composite task: greet, walk 3 m, dodge a ball, touch one target, then one 0.8 m
 high, which can only be reached sitting."""
 
+from studio.scenes.body import CROUCH, LEAN, ON_MARK, RAISE, SIT
 from studio.scenes.checks import dodged, stands_near, tilted, touched_by_paw
 from studio.scenes.scene import Scene, Step, Throw
 from studio.scenes.things import BONE, hung_ball, mark, thrown_ball
@@ -22,6 +23,7 @@ SCENE = Scene(
         Step(
             name="greet",
             goal="Greet: lean to a side, forward or back, by 12 degrees.",
+            body=LEAN,
             done=tilted(12.0),
             hold=0.3,
             within=20.0,
@@ -29,12 +31,14 @@ SCENE = Scene(
         Step(
             name="walk",
             goal="Walk the 3 m to the mark, and stand on it.",
+            body=ON_MARK,
             done=stands_near(3.0, 0.0, 0.4),
             hold=0.5,
         ),
         Step(
             name="dodge",
             goal="A ball will be thrown at you: crouch, so that it flies over.",
+            body=CROUCH,
             done=dodged,
             within=30.0,
             throw=Throw(ball="ball"),
@@ -42,11 +46,13 @@ SCENE = Scene(
         Step(
             name="touch",
             goal="Touch the green ball with a front paw.",
+            body=RAISE,
             done=touched_by_paw("target"),
         ),
         Step(
             name="reach",
             goal="Sit, and touch the plate that hangs 0.8 m high with a front paw.",
+            body=SIT,
             done=touched_by_paw("high"),
             within=90.0,
         ),

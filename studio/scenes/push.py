@@ -1,5 +1,6 @@
 """The paper's second composite task: walk to a box, and push it to a mark, again and again."""
 
+from studio.scenes.body import MARCH, STEER
 from studio.scenes.checks import prop_near, touched_by_robot
 from studio.scenes.scene import Scene, Step
 from studio.scenes.things import WOOD, mark
@@ -19,10 +20,16 @@ SCENE = Scene(
     props=(mark("mark", *GOAL, RADIUS), BOX),
     scatter={"box": (0.1, 0.08, 0.0)},
     steps=(
-        Step(name="walk", goal="Walk to the box.", done=touched_by_robot("box")),
+        Step(
+            name="walk",
+            goal="Walk to the box.",
+            body=MARCH,
+            done=touched_by_robot("box"),
+        ),
         Step(
             name="push",
             goal="Push the box onto the mark, its middle inside, and leave it there.",
+            body=f"{STEER} Once the box is on the mark, stand still.",
             done=prop_near("box", *GOAL, RADIUS),
             hold=3.0,
             within=120.0,

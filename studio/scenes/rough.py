@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from studio.scenes.body import MARCH, QUIETLY
 from studio.scenes.checks import past
 from studio.scenes.scene import Scene, Step
 from studio.scenes.things import WOOD, mark
@@ -65,16 +66,19 @@ SCENE = Scene(
         Step(
             name="stairs",
             goal="Climb the three steps.",
+            body=MARCH,
             done=past(TOP_AT + 0.2, (-HALF_WIDTH, HALF_WIDTH)),
         ),
         Step(
             name="slope",
             goal="Go down the slope.",
+            body=QUIETLY,
             done=past(FLAT_AT, (-HALF_WIDTH, HALF_WIDTH)),
         ),
         Step(
             name="bumps",
             goal="Cross the rough floor.",
+            body=QUIETLY,
             done=past(END, (-HALF_WIDTH, HALF_WIDTH)),
         ),
     ),

@@ -50,11 +50,13 @@ class Throw:
 
 @dataclass(frozen=True, kw_only=True)
 class Step:
-    """One thing to do. goal: said to whoever drives. hold: s for which `done` must stay true.
-    within: s from the step before. throw: what is thrown meanwhile."""
+    """One thing to do. goal: said to whoever drives, of the robot; body: what they do for it
+    themselves. hold: s for which `done` must stay true. within: s from the step before. throw: what
+    is thrown meanwhile."""
 
     name: str
     goal: str
+    body: str
     done: Callable[[Seen], bool]
     hold: float = 0.0
     within: float = 60.0

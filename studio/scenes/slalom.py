@@ -17,6 +17,7 @@ def _pass(k: int, side: float) -> Step:
     return Step(
         name=f"pole{k + 1}",
         goal=f"Go past the {which} pole, keeping to its {way}.",
+        body=f"March on the spot; twist your trunk to the {way} first, then back, and around.",
         done=past(FIRST + k * APART, far),
         within=90.0,
     )
@@ -31,6 +32,11 @@ SCENE = Scene(
     scatter={p.name: (0.1, 0.05, 0.0) for p in POLES},
     steps=(
         *(_pass(k, side) for k, side in enumerate(SIDES)),
-        Step(name="finish", goal="Cross the line of the mark.", done=past(END, (-1.5, 1.5))),
+        Step(
+            name="finish",
+            goal="Cross the line of the mark.",
+            body="March straight on.",
+            done=past(END, (-1.5, 1.5)),
+        ),
     ),
 )

@@ -34,6 +34,7 @@ from studio.web.page_control import PageControl
 from studio.web.phone_api import phone_router
 from studio.web.relay import view_router
 from studio.web.review_api import review_router
+from studio.web.scenes_api import scenes_router
 from studio.web.schema import with_messages
 from studio.web.sockets import sockets_router
 from studio.web.stop_order import StopAnswers
@@ -77,6 +78,7 @@ def create_api(hub: Hub) -> FastAPI:
     app.include_router(library_router(hub))
     app.include_router(exports_router(hub))
     app.include_router(takes_router(hub))
+    app.include_router(scenes_router(hub))
     app.include_router(train_router(hub))
     app.include_router(files_router(hub))
     app.include_router(health_router(hub))

@@ -1,8 +1,10 @@
-"""A scene on the page: its props are there, move with physics, and go with it."""
+"""A scene on the page: its props are there and move with physics; what is next, done, and best."""
 
 import pytest
 from browsing import drawn, until
 from served import Served
+
+from studio.live.best_runs import BestRuns
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
@@ -82,4 +84,47 @@ def test_who_comes_late_sees_the_props_of_this_scene_alone(served, browsing):
             ".flatMap(([, rows]) => rows).length === 4"
         )
         until(page, count)
+    choose(served, "free")
+
+
+def test_steps_are_ticked_as_they_are_done_and_keys_choose(page, served):
+    follow(served, "operator:quiet")
+    choose(served, "push")
+    says = "document.querySelector('#scene-over strong').textContent"
+    until(page, f"() => !document.querySelector('#scene-over').hidden && {says}")
+    assert page.evaluate(f"() => {says}") == "1 of 2 · Walk to the box."
+    body = page.evaluate("() => document.querySelector('#scene-over p').textContent")
+    assert body.startswith("March on the spot")
+    follow(served, "operator:walk")
+    until(page, f"() => {says}.startsWith('2 of 2') || {says}.startsWith('Over')")
+    done = "[...document.querySelectorAll('#scene-steps li')].map((li) => li.className)"
+    until(page, f"() => {done}[0] === 'done'")
+    follow(served, "operator:quiet")
+    page.keyboard.press("8")
+    until(page, f"() => a1studio.state.progress.step === 0 && {done}[0] === ''")
+    page.keyboard.press("9")
+    until(page, "() => a1studio.state.scene === 'slalom'")
+    until(page, "() => document.querySelector('#scene-now').textContent === 'Slalom'")
+    assert page.evaluate("() => document.querySelector('#scene-name').value") == "slalom"
+    page.keyboard.press("Control+k")
+    page.keyboard.type("free roam")
+    page.keyboard.press("Enter")
+    until(page, "() => document.querySelector('#scene-over').hidden")
+
+
+def test_best_runs_are_listed_by_name_whatever_the_name(page, served):
+    BestRuns(served.sessions).add("push", "<b>Ann</b>", 150, 20.0, "webcam")
+    choose(served, "push")
+    rows = "[...document.querySelectorAll('#scene-best li')].map((li) => li.textContent)"
+    page.evaluate("() => (document.querySelector('#scene').open = true)")
+    until(page, f"() => {rows}.join() === '<b>Ann</b>150 points0:20'")
+    page.fill("#scene-person", "Bo")
+    page.press("#scene-person", "Enter")
+    until(page, "() => a1studio.state.person === 'Bo'")
+    drawn_map = """() => {
+      const map = document.querySelector('.scene-map');
+      const { data } = map.getContext('2d').getImageData(0, 0, map.width, map.height);
+      return data.filter((value, i) => i % 4 === 3 && value > 0).length;
+    }"""
+    until(page, f"() => ({drawn_map})() > 500")
     choose(served, "free")

@@ -15,6 +15,7 @@ import { Keyboard } from "./keys.js";
 import { ControlLine, ticks } from "./net.js";
 import { startPad } from "./pad.js";
 import { Palette } from "./palette.js";
+import { SceneDoor } from "./scene-door.js";
 import { Shortcuts } from "./shortcuts.js";
 import { SourcePanel } from "./source.js";
 import { drawLink, drawStatus } from "./status.js";
@@ -91,6 +92,7 @@ const takes = new TakesPanel(studio, review.open);
 const transport = new TransportBar(studio, () => review.on);
 const collect = new CollectDoor(studio, review);
 const library = new LibraryDoor(studio, { review: review.open, train: collect.trainOn });
+const scenes = new SceneDoor(studio);
 const drops = new Drops(source, collect.take);
 const history = new TickHistory();
 startVocabulary();
@@ -117,6 +119,7 @@ const film = new FilmButton(studio, view);
 const palette = new Palette(() => [
   ...pageEntries(),
   ...transport.entries,
+  ...scenes.entries,
   { words: "Emergency stop", key: "Esc", run: actions.stop },
   { words: "Reset: stand up", key: "R", run: actions.R },
   { words: "Arm: follow again", key: "Enter", run: actions.Enter },
@@ -129,10 +132,8 @@ const palette = new Palette(() => [
 keyboard.also({
   ...collect.keys,
   ...oneOf(transport.keys, review.keys),
-  1: () => view.look("front"),
-  2: () => view.look("side"),
-  3: () => view.look("behind"),
-  4: () => view.look("top"),
+  ...scenes.keys,
+  ...view.keys,
   T: otherTheme,
   H: () => $("#record").click(),
   J: plots.toggle,
@@ -187,6 +188,7 @@ ticks((tick) => {
   studio.lastTick = performance.now();
   history.add(tick, studio.lastTick);
   plots.add(tick);
+  scenes.add(tick);
   studio.stillness.add(tick, studio.lastTick);
   controls.drawVotes(tick);
   const captions = captionsOf(tick, studio.state?.source ?? "operator");
@@ -207,6 +209,7 @@ function drawState(state) {
   source.draw(state);
   takes.draw(state);
   transport.draw(state);
+  scenes.draw(state);
   review.draw(state);
   collect.draw(state);
   guide.draw(state);

@@ -22,6 +22,7 @@ const BUTTONS = /** @type {const} */ ([
 const LISTS = /** @type {const} */ ([
   ["#task", "Synthetic person: "],
   ["#controller", "Controller: "],
+  ["#scene-name", "Scene: "],
 ]);
 
 /** A button's name without its key's. @param {HTMLElement} button */

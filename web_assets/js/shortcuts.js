@@ -9,6 +9,7 @@ const ROWS = [
   ["R", "reset: stand up"],
   ["Enter", "arm: follow again"],
   ["1–4", "camera: front, side, behind, above"],
+  ["8 9", "a scene: again from its beginning, the next one"],
   ["T", "dark or light"],
   ["H", "record, and end the take"],
   ["J", "plots"],

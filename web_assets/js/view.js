@@ -4,14 +4,15 @@
 
 import { place, spread, stand } from "./cameras.js";
 import { $, $$, calm, press, setStyle, text } from "./dom.js";
+import { REST, spare } from "./sparing.js";
 
 /** @import { Box, CameraName } from "./cameras.js" */
 /** @import { Viser, ViewWindow } from "../types/page.js" */
 
 /** A part of a figure, by its name in the scene. */
 const FIGURE = /^\/(human|reference|robot)\//;
-/** ms that a frame is rested after at most. */
-const REST = 400;
+/** What is at the view's edges. */
+const EDGES = ".stage-record, .cameras, .figures, #scene-over";
 const DRAGS = /** @type {const} */ (["dragenter", "dragover", "dragleave", "drop"]);
 
 export class View {
@@ -47,7 +48,8 @@ export class View {
       button.addEventListener("click", () =>
         this.look(/** @type {CameraName} */ (button.dataset.camera)),
       );
-    new ResizeObserver(() => (this.#edges = null)).observe($(".stage-record"));
+    const edges = new ResizeObserver(() => (this.#edges = null));
+    for (const name of [".stage-record", "#scene-over"]) edges.observe($(name));
     new ResizeObserver(() => {
       this.#sizes.clear();
       this.#edges = null;
@@ -70,7 +72,7 @@ export class View {
       if (viser && this.#connected && !shown) {
         shown = true;
         this.look(this.#camera, false);
-        this.#spare(viser);
+        this.#spared = spare(viser, this.#window);
         ready();
       }
       if (this.#spared) setTimeout(() => requestAnimationFrame(each), REST / 4);
@@ -112,6 +114,11 @@ export class View {
     this.look(this.#camera);
   }
 
+  /** Cameras by key, in the order of their buttons. */
+  keys = Object.fromEntries(
+    $$(".cameras button").map((button, i) => [`${i + 1}`, () => button.click()]),
+  );
+
   /** @param {CameraName} name @param {boolean} [glide] */
   look(name, glide = true) {
     const viser = this.#inside;
@@ -123,25 +130,6 @@ export class View {
     viser.cameraControl.setLookAt(from.x, from.y, from.z, to.x, to.y, to.z, glide && !calm());
     viser.requestRender();
     press($(".cameras"), "camera", name);
-  }
-
-  /**
-   * Without a graphics card every pixel is work for the processor, which the robot needs: draw
-   * half as fine, without shadows, and rest after each frame for as long as it took.
-   *
-   * @param {Viser} viser
-   */
-  #spare({ canvas, scene }) {
-    const context = canvas.getContext("webgl2");
-    const named = context?.getExtension("WEBGL_debug_renderer_info");
-    const renderer = named ? context?.getParameter(named.UNMASKED_RENDERER_WEBGL) : "";
-    if (!/swiftshader|llvmpipe|software|basic render/i.test(renderer)) return;
-    this.#window.__viserTestpoints?.devSettings.set({ fixedDpr: 0.5 * devicePixelRatio });
-    scene.traverse((thing) => {
-      if (thing.isLight) thing.castShadow = false;
-    });
-    rested(this.#window);
-    this.#spared = true;
   }
 
   /**
@@ -188,7 +176,7 @@ export class View {
   get #kept() {
     if (!this.#edges) {
       const { left, top } = this.#frame.getBoundingClientRect();
-      const boxes = $$(".stage-record, .cameras, .figures").map((n) => n.getBoundingClientRect());
+      const boxes = $$(EDGES).map((n) => n.getBoundingClientRect());
       this.#edges = boxes.map((box) => ({
         left: box.left - left,
         right: box.right - left,
@@ -216,26 +204,6 @@ export class View {
       this.#sizes.delete(node);
     }
   }
-}
-
-/**
- * A window's next frame is asked for only once half of the time has been left to others: how long
- * one takes is how long the window waits for it.
- *
- * @param {Window} window
- */
-function rested(window) {
-  const ask = window.requestAnimationFrame.bind(window);
-  let rest = 0;
-  window.requestAnimationFrame = (draw) =>
-    window.setTimeout(() => {
-      const asked = performance.now();
-      ask((now) => {
-        rest = Math.min(REST, 0.7 * rest + 0.3 * (performance.now() - asked));
-        draw(now);
-      });
-    }, rest);
-  window.cancelAnimationFrame = (handle) => window.clearTimeout(handle);
 }
 
 /**

@@ -130,26 +130,6 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
-    "/api/scene": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * Scene
-         * @description What stands around the robot, and what there is to do; the same again: from its beginning.
-         */
-        post: operations["scene_api_scene_post"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/controller": {
         parameters: {
             query?: never;
@@ -388,6 +368,46 @@ export interface paths {
          * @description Stop following without damping: the robot goes to a neutral stance.
          */
         post: operations["disarm_api_disarm_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/scene": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Scene
+         * @description What stands around the robot, and what there is to do; the same again: from its beginning.
+         */
+        post: operations["scene_api_scene_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/person": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Person
+         * @description Whose runs in scenes are kept from now on; "" keeps none.
+         */
+        post: operations["person_api_person_post"];
         delete?: never;
         options?: never;
         head?: never;
@@ -1039,6 +1059,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/scenes": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Scenes
+         * @description What there is to do, and who did it best.
+         */
+        get: operations["scenes_api_scenes_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/train": {
         parameters: {
             query?: never;
@@ -1377,6 +1417,23 @@ export interface components {
             edges: number[];
             /** Counts */
             counts: number[];
+        };
+        /**
+         * BestRun
+         * @description A person's best run in a scene. source: what drove ("operator", "webcam", "stream" …). when:
+         *     ISO 8601, UTC.
+         */
+        BestRun: {
+            /** Person */
+            person: string;
+            /** Score */
+            score: number;
+            /** Time S */
+            time_s: number;
+            /** Source */
+            source: string;
+            /** When */
+            when: string;
         };
         /**
          * Bin
@@ -1871,6 +1928,8 @@ export interface components {
             /** Scene */
             scene: string;
             progress: components["schemas"]["Progress"];
+            /** Person */
+            person: string;
             /** Props */
             props: {
                 [key: string]: number[];
@@ -2112,6 +2171,29 @@ export interface components {
             failed: string | null;
         };
         /**
+         * PropPlan
+         * @description A prop from above, as declared: its middle (m), heading (rad), and half its size ahead and to
+         *     the left (m). color: sRGB of 0 to 255. moves: it may be elsewhere (`props` of the state).
+         */
+        PropPlan: {
+            /** Name */
+            name: string;
+            /** Round */
+            round: boolean;
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /** Yaw */
+            yaw: number;
+            /** Half */
+            half: number[];
+            /** Color */
+            color: number[];
+            /** Moves */
+            moves: boolean;
+        };
+        /**
          * Proposal
          * @description What to record next.
          */
@@ -2229,6 +2311,45 @@ export interface components {
             problems: string[];
         };
         /**
+         * SceneInfo
+         * @description A scene. best: each person's best run, the best first.
+         */
+        SceneInfo: {
+            /**
+             * Name
+             * @enum {string}
+             */
+            name: "empty" | "free" | "greeting" | "hardware" | "push" | "slalom" | "rough" | "fetch";
+            /** Title */
+            title: string;
+            /** About */
+            about: string;
+            /** Steps */
+            steps: components["schemas"]["SceneStep"][];
+            /** Props */
+            props: components["schemas"]["PropPlan"][];
+            /** Best */
+            best: components["schemas"]["BestRun"][];
+        };
+        /**
+         * SceneStep
+         * @description goal: what the robot has to do; body: what whoever drives does for it.
+         */
+        SceneStep: {
+            /** Goal */
+            goal: string;
+            /** Body */
+            body: string;
+        };
+        /**
+         * Scenes
+         * @description All there are.
+         */
+        Scenes: {
+            /** Scenes */
+            scenes: components["schemas"]["SceneInfo"][];
+        };
+        /**
          * Score
          * @description On held-out pairs.
          */
@@ -2339,6 +2460,14 @@ export interface components {
              * @enum {string}
              */
             mode: "idle" | "live" | "replay" | "collect";
+        };
+        /**
+         * SetPerson
+         * @description Whose runs in scenes are kept from now on; "" keeps none.
+         */
+        SetPerson: {
+            /** Name */
+            name: string;
         };
         /**
          * SetPlan
@@ -2554,6 +2683,8 @@ export interface components {
             /** Scene */
             scene: string;
             progress: components["schemas"]["Progress"];
+            /** Person */
+            person: string;
             /** Props */
             props: {
                 [key: string]: number[];
@@ -3028,6 +3159,8 @@ export interface components {
             /** Scene */
             scene: string;
             progress: components["schemas"]["Progress"];
+            /** Person */
+            person: string;
             /** Props */
             props: {
                 [key: string]: number[];
@@ -3349,39 +3482,6 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["SetSource"];
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["State"];
-                };
-            };
-            /** @description not applied: see `why` */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["Refused"];
-                };
-            };
-        };
-    };
-    scene_api_scene_post: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        requestBody: {
-            content: {
-                "application/json": components["schemas"]["SetScene"];
             };
         };
         responses: {
@@ -3765,6 +3865,72 @@ export interface operations {
             cookie?: never;
         };
         requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["State"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    scene_api_scene_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SetScene"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["State"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    person_api_person_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SetPerson"];
+            };
+        };
         responses: {
             /** @description Successful Response */
             200: {
@@ -5063,6 +5229,26 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    scenes_api_scenes_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Scenes"];
                 };
             };
         };

@@ -11,13 +11,13 @@ from studio.live.commands.drive import (
     SetMapper,
     SetMirror,
     SetMode,
-    SetScene,
     SetSource,
     SetStateLock,
     SetStyle,
     SetTravel,
 )
 from studio.live.commands.safety import Arm, Disarm, ReleaseControl, Reset, Stop, TakeControl
+from studio.live.commands.scenes import SetPerson, SetScene
 from studio.live.commands.takes import Seek, ShowTake, StartTake, StopTake
 from studio.live.commands.transport import Transport
 
@@ -44,6 +44,7 @@ __all__ = [
     "SetMapper",
     "SetMirror",
     "SetMode",
+    "SetPerson",
     "SetPlan",
     "SetScene",
     "SetSource",

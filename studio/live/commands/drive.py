@@ -11,11 +11,10 @@ from studio.live.command import Command, Made, Number, OneOf, with_why
 from studio.live.mappers import SHIPPED, OpenedMapper, open_mapper
 from studio.live.replay import Replay, open_replay
 from studio.live.source_reader import OpenedSource, open_follower, open_for
-from studio.options import SCENES, STYLES, Travel
+from studio.options import STYLES, Travel
 from studio.reference.intent import STATES
 from studio.retarget.settings import LIMITS, checked_gain
 from studio.retarget.store import load_experts
-from studio.scenes.stage import Stage
 
 if TYPE_CHECKING:
     from studio.live.runtime import Runtime
@@ -92,26 +91,6 @@ class SetSource(Command):
         runtime.mode, runtime.idle_by_source = ("live" if live else "idle"), not live
         if not runtime.safety.stopped:
             runtime.safety.armed = live
-        return {}
-
-
-class SetScene(Command):
-    """What stands around the robot, and what there is to do; the same again: from its beginning."""
-
-    path: ClassVar[str] = "scene"
-    scene: Annotated[str, OneOf("scene", SCENES)]
-
-    def prepare(self, runtime: "Runtime") -> Stage:
-        """Build its world."""
-        return Stage(self.scene, runtime.config.puppeteer.seed)
-
-    def apply(self, runtime: "Runtime", now: float, prepared: Stage) -> Made:
-        """The robot stands at its start. StudioError while it is down, or motions are collected."""
-        if runtime.mode == "collect":
-            raise StudioError("collecting goes on: choose mode live first, then a scene")
-        if runtime.safety.needs_reset:
-            raise StudioError("the robot is down: reset first, then choose a scene")
-        runtime.puppeteer.set_stage(prepared)
         return {}
 
 

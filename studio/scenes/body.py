@@ -1,0 +1,10 @@
+"""What a person does with their own body for a step: words that scenes share."""
+
+MARCH = "March on the spot: that walks. Twist your trunk to the side you want to turn to."
+ON_MARK = f"{MARCH} On the mark, stand still."
+STEER = "March on, twisting a little to steer."
+QUIETLY = "March on, quietly."
+LEAN = "Lean with your whole trunk, to a side, forward or back, and hold it for half a second."
+CROUCH = "Bend your knees a little, and stay low until the ball has flown by."
+RAISE = "Stand still and raise an arm slowly before you: the front paw of that side follows."
+SIT = "Squat deep, or sit down; then raise an arm slowly over your head. Lower it slowly, too."
