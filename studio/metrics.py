@@ -165,6 +165,13 @@ def joint_speed_deg_s(joint_pos: ArrayLike, dt: float) -> Array:
     return np.degrees(moved.max(axis=-1, initial=0.0)) / dt
 
 
+def lag_periods(joint_pos: ArrayLike, reference: ArrayLike, most: int) -> int:
+    """By how many periods, `most` at most, joints (T, J) trail those asked for: least squares."""
+    ours, asked = np.asarray(joint_pos), np.asarray(reference)
+    apart = [np.mean((ours[k:] - asked[: len(asked) - k]) ** 2) for k in range(most + 1)]
+    return int(np.argmin(apart))
+
+
 def fallen(trunk_contact: ArrayLike, base_quat: ArrayLike, reference: ArrayLike) -> NDArray:
     """Trunk on something, or tilt over 60 degrees from the reference's: bools (...).
 

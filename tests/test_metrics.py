@@ -172,3 +172,13 @@ def test_bootstrap_interval_is_about_two_standard_errors_each_way():
     assert metrics.bootstrap_ci(values) == (low, high)  # seeded
     assert metrics.bootstrap_ci([3.0]) == (3.0, 3.0)
     assert np.isnan(metrics.bootstrap_ci([])).all()
+
+
+def test_a_lag_is_counted_in_whole_periods():
+    t = np.arange(60.0)
+    joints = np.stack([np.sin(0.3 * t), np.cos(0.2 * t)], axis=-1)
+    assert [metrics.lag_periods(joints[10 - k : 50 - k], joints[10:50], 5) for k in (0, 3, 5)] == [
+        0,
+        3,
+        5,
+    ]

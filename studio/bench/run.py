@@ -10,12 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
-from studio.evaluation.drive import drive
-from studio.human.calibration import calibrate
+from studio.evaluation.drive import drive, met
 from studio.options import BenchConfig
-from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
 from studio.sources import open_source
 from studio.training.machine import machine as processor
@@ -68,7 +65,7 @@ def machine() -> dict[str, Any]:
 def control_period(seconds: float) -> tuple[dict[str, dict[str, float]], dict[str, float]]:
     """(percentiles, ms, per section; the drive's speed) over a tour of the operator on one core."""
     source = open_source("operator")
-    puppeteer = Puppeteer(PuppeteerConfig(), calibrate(source.calibration_poses()))
+    puppeteer = met(source)
     for _ in drive(puppeteer, source, 2.0):
         pass  # caches warm
     source = open_source("operator")

@@ -15,9 +15,7 @@ import numpy as np
 
 from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
-from studio.evaluation.drive import drive
-from studio.human.calibration import calibrate
-from studio.puppeteer import Puppeteer
+from studio.evaluation.drive import drive, met
 from studio.robot.a1 import CONTROL_DT, CONTROL_HZ
 from studio.sources import open_source
 from studio.takes.record.recorder import Recorder
@@ -42,9 +40,7 @@ def takes_cost(takes: int = TAKES, minutes: tuple[float, ...] = MINUTES) -> dict
 def performed(seconds: float) -> list[Tick]:
     """Ticks of the operator's tour, as the flow makes them."""
     source = open_source("operator")
-    puppeteer = Puppeteer(
-        PuppeteerConfig(controller="pd_playback"), calibrate(source.calibration_poses())
-    )
+    puppeteer = met(source, PuppeteerConfig(controller="pd_playback"))
     return list(drive(puppeteer, source, seconds))
 
 

@@ -28,10 +28,9 @@ def serve(argv: Sequence[str]) -> None:
 def drive(argv: Sequence[str]) -> Answer:
     says = _with_sources(DriveConfig, served=False)
     config = tyro.cli(DriveConfig, prog="a1-studio drive", description=says, args=argv)
-    from studio.control.staleness import stale_command
     from studio.evaluation.drive import run_drive
 
-    return run_drive(config, guard=stale_command)
+    return run_drive(config)
 
 
 def bench(argv: Sequence[str]) -> Answer:

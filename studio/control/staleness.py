@@ -14,29 +14,25 @@ from studio.control.drive_command import Directive, DriveCommand, Reason
 STALE_AFTER = 0.1
 STAND_AFTER = 0.5
 """s."""
-NOBODY_YET = "stale: no human pose yet"
 EPS = 1e-9
 """s: times are sums of periods."""
 
 
-def stale_directive(age: float) -> Directive:
-    """What a human pose `age` s old calls for (infinite: none was ever seen)."""
-    return Directive.STAND if age >= STAND_AFTER - EPS else Directive.FOLLOW
+def missing(age: float) -> tuple[Reason, str]:
+    """Why a human pose `age` s old (infinite: none was ever seen) is not followed, or two ""."""
+    if age == float("inf"):
+        return "nobody", "nobody seen yet: waiting for the first human pose"
+    if age >= STAND_AFTER - EPS:
+        return "stale", f"stale: no human pose for {age:.1f} s"
+    return "", ""
 
 
 def stale_command(age: float) -> DriveCommand:
     """For a drive without a page or a button: only the person can go missing (`age` s ago)."""
-    if age == float("inf"):  # nobody yet is no reason to move
-        return DriveCommand(reason="nobody", why=NOBODY_YET)
-    directive = stale_directive(age)
-    if directive is Directive.FOLLOW:
-        return DriveCommand()
-    return DriveCommand(directive=directive, reason="stale", why=stale_line(age))
-
-
-def stale_line(age: float) -> str:
-    """The line for a pose that is `age` s old."""
-    return f"stale: no human pose for {age:.1f} s"
+    reason, why = missing(age)
+    # Nobody yet is no reason to move: the robot starts in the first state that is seen.
+    directive = Directive.STAND if reason == "stale" else Directive.FOLLOW
+    return DriveCommand(directive=directive, reason=reason, why=why)
 
 
 def why_still(
@@ -46,10 +42,9 @@ def why_still(
 
     age: of the last pose, s. expert, votes (summing to 1): of the selector. lock: a state's name.
     """
-    if age == float("inf"):
-        return "nobody", "nobody seen: waiting for the first human pose"
-    if age >= STAND_AFTER - EPS:
-        return "stale", stale_line(age)
+    reason, line = missing(age)
+    if reason:
+        return reason, line
     if expert == "unknown" and lock is None:
         line = "this motion is unlike any the experts were trained on; easing to neutral"
         return "unknown", f"unknown: {line}"

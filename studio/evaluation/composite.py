@@ -15,6 +15,7 @@ import tyro
 from scipy.stats import beta
 
 from studio.control.drive_command import PuppeteerConfig
+from studio.control.staleness import stale_command
 from studio.evaluation.kept_runs import file_of, kept_runs
 from studio.evaluation.options import TableOptions
 from studio.evaluation.scene_operator import Eyes, ScriptedOperator
@@ -153,7 +154,7 @@ def play(
         assert step is not None
         if since > step.within + _OVERTIME:
             break
-        tick = puppeteer.step(motion(k))
+        tick = puppeteer.step(motion(k), stale_command)
         if on_tick is not None:
             on_tick(tick)
         since = since + CONTROL_DT if len(stage.done) == done else 0.0

@@ -3,13 +3,15 @@
 import contextlib
 import json
 import logging
+import math
 import time
 from collections.abc import Callable, Iterator
 from itertools import islice
 from pathlib import Path
 from typing import IO, Any
 
-from studio.control.drive_command import FOLLOW, DriveCommand, PuppeteerConfig
+from studio.control.drive_command import DriveCommand, PuppeteerConfig
+from studio.control.staleness import stale_command
 from studio.errors import StudioError
 from studio.evaluation.drive_report import DriveReport, trace_line
 from studio.human.calibration import calibrate
@@ -30,14 +32,12 @@ TOUR_SECONDS = 40.0
 def run_drive(
     config: DriveConfig,
     *,
-    guard: Callable[[float], DriveCommand] | None = None,
     on_tick: Callable[[Tick], None] | None = None,
     source: Source | None = None,
 ) -> dict[str, Any]:
     """Drive and report. Ends with the source, after config.seconds, or when the robot falls.
 
-    guard: what the age of the newest human pose (s, infinite before the first) calls for, see
-    control.staleness. on_tick: called with every tick. source: used instead of opening that of
+    on_tick: called with every tick. source: used instead of opening that of
     config. A `_failed` in the report is the line to fail with: the source had frames, and all were
     refused. Raises StudioError for a source, state, style, controller or scene that is not there.
     """
@@ -51,7 +51,8 @@ def run_drive(
     with contextlib.ExitStack() as stack:
         stack.callback(source.close)
         seconds = _how_long(config, source)
-        puppeteer = Puppeteer(
+        puppeteer = met(
+            source,
             PuppeteerConfig(
                 style=config.style,
                 controller=config.controller,
@@ -62,7 +63,6 @@ def run_drive(
                 travel=config.travel,
                 joint_speed=joint_speed(config.max_joint_speed),
             ),
-            calibrate(source.calibration_poses()),
         )
         report = DriveReport()
         sinks: list[Callable[[Tick], None]] = [report.add]
@@ -77,7 +77,7 @@ def run_drive(
             about |= {"style": config.style, "scene": config.scene}
             taken = recorder.start("drive", about=about)
             sinks.append(recorder.append)
-        for tick in drive(puppeteer, source, seconds, guard=guard, realtime=config.realtime):
+        for tick in drive(puppeteer, source, seconds, realtime=config.realtime):
             for sink in sinks:
                 sink(tick)
         expected = seconds if source.duration is None else min(seconds, source.duration)
@@ -93,20 +93,32 @@ def run_drive(
         return out
 
 
+def met(source: Source, config: PuppeteerConfig | None = None) -> Puppeteer:
+    """The whole flow, which has measured the source's person standing quietly."""
+    return Puppeteer(config, calibrate(source.calibration_poses()))
+
+
 def drive(
     puppeteer: Puppeteer,
     source: Source,
-    seconds: float,
+    seconds: float = math.inf,
     *,
-    guard: Callable[[float], DriveCommand] | None = None,
+    begin: float = 0.0,
+    guard: Callable[[float], DriveCommand] = stale_command,
+    through_falls: bool = False,
     realtime: bool = False,
 ) -> Iterator[Tick]:
-    """Ticks until the source ends, `seconds` have passed, or the robot has fallen."""
+    """Ticks from `begin` s of the source on, until it ends, `seconds` have passed, or the robot has
+    fallen (if not to go on `through_falls`).
+
+    guard: what the age of the newest human pose (s, infinite before the first) calls for.
+    """
     began = time.perf_counter()
-    for k, human in enumerate(islice(poses(source), round(seconds / CONTROL_DT))):
-        tick = puppeteer.step(human, guard or FOLLOW)
+    periods = None if seconds == math.inf else round(seconds / CONTROL_DT)
+    for k, human in enumerate(islice(poses(source, begin), periods)):
+        tick = puppeteer.step(human, guard)
         yield tick
-        if tick.fallen:
+        if tick.fallen and not through_falls:
             log.info("the robot fell after %.1f s", (k + 1) * CONTROL_DT)
             return
         if realtime:

@@ -145,19 +145,30 @@ def _tilt_deg(ticks: list[Tick]) -> dict[str, list[float]]:
     Yaw is the trunk's turn against its standing feet: where the robot has walked to, and which
     way it faces there, is no tilt.
     """
-    rows = [tilt_against_feet(t) for t in ticks if t.state != "transition"]
-    tilt = np.degrees(np.array(rows)) if rows else np.zeros((1, 3))
-    return {axis: _range(tilt[:, i]) for i, axis in enumerate(("roll", "pitch", "yaw"))}
+    return tilt_ranges(
+        [
+            tilt_against_feet(t, t.robot.base_quat, t.robot.foot_pos_w)
+            for t in ticks
+            if t.state != "transition"
+        ]
+    )
 
 
-def tilt_against_feet(tick: Tick) -> Array:
-    """(3,) rad roll, pitch, yaw of the simulated trunk about the neutral of the tick's state."""
+def tilt_ranges(tilt: list[Array]) -> dict[str, list[float]]:
+    """Least and largest roll, pitch and yaw, degrees, of (3,) rad each; 0 of none."""
+    rows = np.degrees(np.array(tilt)) if tilt else np.zeros((1, 3))
+    return {axis: _range(rows[:, i]) for i, axis in enumerate(("roll", "pitch", "yaw"))}
+
+
+def tilt_against_feet(tick: Tick, base_quat: Array, foot_pos_w: Array) -> Array:
+    """(3,) rad roll, pitch, yaw about the neutral of the tick's state, of a trunk (4,) on feet
+    (4, 3): its robot's, or its reference's."""
     state = tick.state
     legs = np.flatnonzero(tick.reference.foot_contact > 0.5)
     if state == "sit" or len(legs) < 2:
         legs = np.array([2, 3])
-    now, rest = tick.robot.foot_pos_w[legs, :2], NEUTRAL_FEET[state][legs, :2]  # type: ignore[index]
+    now, rest = foot_pos_w[legs, :2], NEUTRAL_FEET[state][legs, :2]  # type: ignore[index]
     a, b = rest - rest.mean(axis=0), now - now.mean(axis=0)
     yaw = np.arctan2(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]), np.sum(a * b))
     turned_back = geometry.quat_from_rpy([0.0, 0.0, -float(yaw)])
-    return tilt_of(state, geometry.quat_mul(turned_back, tick.robot.base_quat))  # type: ignore[arg-type]
+    return tilt_of(state, geometry.quat_mul(turned_back, base_quat))  # type: ignore[arg-type]

@@ -19,9 +19,8 @@ from studio.control.controllers import (
 from studio.control.drive_command import PuppeteerConfig
 from studio.control.policy import Policy
 from studio.control.staleness import stale_command
-from studio.human.calibration import calibrate
+from studio.evaluation.drive import met
 from studio.options import ControllerName
-from studio.puppeteer import Puppeteer
 from studio.reference.intent import STATES, StateName
 from studio.rl.noise import NoiseConfig
 from studio.robot.a1 import CONTROL_DT
@@ -73,10 +72,7 @@ class Run:
 def endure(case: Case, seed: int) -> Run:
     """One person, drawn from `seed`, drives for `case.seconds`."""
     source = sent_by(case.sensor, case.source, seed)
-    puppeteer = Puppeteer(
-        PuppeteerConfig(controller=case.controller, seed=seed),
-        calibrate(source.calibration_poses()),
-    )
+    puppeteer = met(source, PuppeteerConfig(controller=case.controller, seed=seed))
     puppeteer.controller = _controller(case, seed)
     if case.dynamics == "table_i":
         links = int(np.count_nonzero(puppeteer.world.model.body_mass > 0.0))

@@ -6,6 +6,7 @@ A score on one's own generator proves little; this table decides. A folder of cl
 
 import json
 import logging
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,19 +14,19 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from studio import metrics
 from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
-from studio.evaluation.drive_report import DriveReport
+from studio.evaluation.drive import drive, met
+from studio.evaluation.drive_report import DriveReport, tilt_against_feet, tilt_ranges
 from studio.evaluation.options import TableOptions
 from studio.evaluation.people_starts import clip_spec, start_rows
-from studio.human.calibration import calibrate
 from studio.options import ControllerName, Style
-from studio.puppeteer import Puppeteer
-from studio.reference.stances import NEUTRAL, tilt_of
+from studio.reference.stances import NEUTRAL
 from studio.retarget.experts import EXPERTS
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT, FOOT_RADIUS
-from studio.sources import SourceEnded, open_source
+from studio.sources import open_source
 from studio.takes.tick import Tick
 from studio.training.machine import commit
 
@@ -95,18 +96,9 @@ def frame_labels(t: NDArray, intervals: list[dict[str, Any]]) -> list[str]:
 def drive_clip(options: Options, name: str) -> list[Tick]:
     """Every tick of a clip, to its end even if the robot falls on the way."""
     spec = clip_spec(options.clips / name)
-    source = open_source(spec, seed=options.seed, style=options.style)
-    puppeteer = Puppeteer(
-        PuppeteerConfig(style=options.style, controller=options.controller, seed=options.seed),
-        calibrate(source.calibration_poses()),
-    )
-    ticks: list[Tick] = []
-    while True:
-        try:
-            ticks.append(puppeteer.step(source.read(len(ticks) * CONTROL_DT)))
-        except SourceEnded:
-            source.close()
-            return ticks
+    config = PuppeteerConfig(style=options.style, controller=options.controller, seed=options.seed)
+    with closing(open_source(spec, seed=options.seed, style=options.style)) as source:
+        return list(drive(met(source, config), source, through_falls=True))
 
 
 def clip_row(options: Options, name: str, intervals: list[dict[str, Any]]) -> dict[str, Any]:
@@ -184,20 +176,19 @@ def _reference(ticks: list[Tick]) -> dict[str, Any]:
     pos, quat, joints = (
         np.array([getattr(r, f) for r in ref]) for f in ("base_pos", "base_quat", "joint_pos")
     )
-    states = [tick.state if tick.state in NEUTRAL else "stand" for tick in ticks]
-    tilt = np.degrees([tilt_of(s, q) for s, q in zip(states, quat, strict=True)])  # type: ignore[arg-type]
-    paws = kinematics.foot_pos_w(pos, quat, joints)[:, :2, 2] - FOOT_RADIUS
-    settled = np.array([tick.state != "transition" for tick in ticks])
-    tilt = tilt[settled] if settled.any() else tilt
+    feet = kinematics.foot_pos_w(pos, quat, joints)
+    paws = feet[:, :2, 2] - FOOT_RADIUS
+    tilt = [
+        tilt_against_feet(tick, quat[i], feet[i])
+        for i, tick in enumerate(ticks)
+        if tick.state != "transition"
+    ]
     return {
-        "tilt_deg": {
-            axis: [float(tilt[:, i].min()), float(tilt[:, i].max())]
-            for i, axis in enumerate(("roll", "pitch", "yaw"))
-        },
+        "tilt_deg": tilt_ranges(tilt),
         "paw_height_m": {
             leg: [float(paws[:, i].min()), float(paws[:, i].max())]
             for i, leg in enumerate(("FR", "FL"))
         },
         "base_height_m": [float(pos[:, 2].min()), float(pos[:, 2].max())],
-        "distance_m": float(np.linalg.norm(np.diff(pos[:, :2], axis=0), axis=1).sum()),
+        "distance_m": metrics.distance_m(pos),
     }

@@ -6,6 +6,7 @@ does so at any moment.
 
 import logging
 from collections.abc import Iterable
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,10 @@ import numpy as np
 
 from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
-from studio.human.calibration import calibrate
+from studio.evaluation.drive import drive, met
 from studio.options import ControllerName, Style
-from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
-from studio.sources import SourceEnded, open_source
+from studio.sources import open_source
 
 log = logging.getLogger(__name__)
 SHORTEST_S = 1.0
@@ -60,26 +60,19 @@ def clips_below(folder: Path) -> list[Path]:
 
 def starts(clip: Path, every: float) -> Iterable[float]:
     """s into the clip, from 0 on."""
-    source = open_source(clip_spec(clip))
-    duration = source.duration or 0.0
-    source.close()
+    with closing(open_source(clip_spec(clip))) as source:
+        duration = source.duration or 0.0
     return [float(t) for t in np.arange(0.0, max(duration - SHORTEST_S, 0.0) + 1e-9, every)]
 
 
 def fall_from(clip: Path, start: float, config: PuppeteerConfig) -> tuple[float, float | None]:
     """(s driven, s after `start` at which the robot fell, or None), of a clip begun at `start`."""
-    source = open_source(clip_spec(clip), seed=config.seed, style=config.style)
-    puppeteer = Puppeteer(config, calibrate(source.calibration_poses()))
-    k = 0
-    try:
-        while True:
-            if puppeteer.step(source.read(start + k * CONTROL_DT)).fallen:
-                return k * CONTROL_DT, k * CONTROL_DT
-            k += 1
-    except SourceEnded:
-        return k * CONTROL_DT, None
-    finally:
-        source.close()
+    with closing(open_source(clip_spec(clip), seed=config.seed, style=config.style)) as source:
+        ticks = list(drive(met(source, config), source, begin=start))
+    if ticks and ticks[-1].fallen:
+        fell = (len(ticks) - 1) * CONTROL_DT
+        return fell, fell
+    return len(ticks) * CONTROL_DT, None
 
 
 def clip_spec(clip: Path) -> str:

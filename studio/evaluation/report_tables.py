@@ -150,7 +150,7 @@ TABLES: dict[str, tuple[str, tuple[Column, ...]]] = {
             Column(key="stage", head="stage"),
             Column(key="max_joint_speed_deg_s", head="joints up to °/s", places=0),
             Column(key="episodes", head="n", places=0),
-            Column(key="lag_ms", head="lag ms", places=0),
+            Column(key="behind_ms", head="behind ms", places=0),
             Column(key="onset_ms", head="onset ms", places=0),
             Column(key="clipped", head="speed limit cuts", places=2),
         ),

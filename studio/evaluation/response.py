@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from studio import metrics
 from studio.control.drive_command import PuppeteerConfig
+from studio.control.staleness import stale_command
 from studio.evaluation.lateness import lag_s, onset_s
 from studio.evaluation.options import TableOptions
 from studio.evaluation.people_starts import clip_spec, clips_below
@@ -73,9 +74,9 @@ class Followed:
 def run_response(options: Options = Options()) -> dict[str, Any]:
     """`{"rows": [...]}`: one per movement and stage, of synthetic people, then of real hands.
 
-    lag_ms, onset_ms: medians over the people, with 95 % bootstrap intervals; lag None where no
-    course over time can be told from the next one's (steps). followed: share of the people whose
-    movement the stage did at all.
+    behind_ms, onset_ms: medians over the people, with 95 % bootstrap intervals; behind_ms None
+    where no course over time can be told from the next one's (steps). followed: share of the people
+    whose movement the stage did at all.
     """
     quick = joint_speed(options.max_joint_speed)
     config = PuppeteerConfig(controller=options.controller, seed=options.seed, joint_speed=quick)
@@ -117,7 +118,7 @@ def _follow(
             pose = read(k * CONTROL_DT)
         except SourceEnded:
             break
-        tick = puppeteer.step(pose)
+        tick = puppeteer.step(pose, stale_command)
         seen = puppeteer.retargeted
         assert seen is not None
         said = seen.mapped or said  # on a way between states no expert is asked
@@ -193,7 +194,7 @@ def _rows(name: str, kind: str, people: list[Followed], options: Options) -> lis
                 "episodes": len(people),
                 "commit": commit(),
                 "followed": None if name in STEPPING else len(found) / len(people),
-                **_median("lag_ms", [] if name in STEPPING else found),
+                **_median("behind_ms", [] if name in STEPPING else found),
                 **_median("onset_ms", onsets),
                 "clipped": float(np.mean([each.clipped for each in people])),
                 "fell": sum(each.fell for each in people),

@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 
 from studio import geometry, metrics
 from studio.control.drive_command import PuppeteerConfig
+from studio.control.staleness import stale_command
+from studio.evaluation.drive import met
 from studio.evaluation.options import TableOptions
-from studio.human.calibration import calibrate
 from studio.options import STYLES, ControllerName, Style
 from studio.puppeteer import Puppeteer
 from studio.reference import gait
@@ -129,10 +130,7 @@ def row(style: str, case: Case, outcomes: list[Outcome], seed: int) -> dict[str,
 def attempt(style: str, case: Case, seed: int, controller: str | None = None) -> Outcome:
     """One person of the held-out family drives the simulated robot to the case's goals."""
     operator = InteractiveOperator(seed=HELD_OUT_SEED + seed, style=style, family="held_out")
-    puppeteer = Puppeteer(
-        PuppeteerConfig(style=style, controller=controller, seed=seed),
-        calibrate(operator.calibration_poses()),
-    )
+    puppeteer = met(operator, PuppeteerConfig(style=style, controller=controller, seed=seed))
     ticks, asked = [], []
     for tick, intent in driven(puppeteer, operator, case):
         ticks.append(tick)
@@ -171,7 +169,7 @@ def driven(
             turn = float(np.clip(turn, *np.radians([-15.0, 15.0]))) if case.deg_s else 0.0
             intent = walking(speed, turn)
             operator.set_intent(intent)
-        tick = puppeteer.step(operator.read(k * CONTROL_DT))
+        tick = puppeteer.step(operator.read(k * CONTROL_DT), stale_command)
         seen.append(tick)
         yield tick, intent
 

@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 
 from studio import geometry, metrics
 from studio.control.drive_command import PuppeteerConfig
-from studio.control.staleness import stale_command
+from studio.evaluation.drive import drive, met
 from studio.evaluation.options import TableOptions
 from studio.evaluation.people_starts import clip_spec, clips_below
-from studio.human.calibration import calibrate
-from studio.mocap.source import Source, SourceEnded
+from studio.mocap.source import Source
 from studio.options import ControllerName
-from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
 from studio.sources import open_source
 from studio.synthetic.travelling import AT_PERSONS_SIZE, Travelling
@@ -102,16 +100,11 @@ class Run:
 def follow(open_it: Callable[[], Source], config: PuppeteerConfig) -> Run:
     """Drive a source to its end, or for SECONDS."""
     source = open_it()
-    puppeteer = Puppeteer(config, calibrate(source.calibration_poses()))
+    puppeteer = met(source, config)
     path = puppeteer.retargeter.path
     rows: list[tuple[Array, Array, Array, bool]] = []
-    fell, seconds = False, source.duration or SECONDS
-    for k in range(round(seconds / CONTROL_DT)):
-        try:
-            pose = source.read(k * CONTROL_DT)
-        except SourceEnded:
-            break
-        tick = puppeteer.step(pose, stale_command)
+    fell = False
+    for tick in drive(puppeteer, source, source.duration or SECONDS):
         if tick.fallen:
             fell = True
             break

@@ -72,7 +72,7 @@ def _rows(seed: int) -> list[dict[str, Any]]:
                 (done.base_pos[-1, i] - done.base_pos[0, i])[:2]
                 - (asked.base_pos[-1] - asked.base_pos[1])[:2]
             )
-            total = np.sum(np.linalg.norm(np.diff(asked.base_pos[:, :2], axis=0), axis=-1))
+            total = metrics.distance_m(asked.base_pos)
             rows.append(
                 {
                     "case": f"{speed:g} m/s, {turn:g} deg/s",

@@ -9,10 +9,11 @@
 It decides from times and flags that it is told, never from a clock of its own.
 """
 
+import math
 from collections import deque
 
 from studio.control.drive_command import Directive, DriveCommand, Reason
-from studio.control.staleness import EPS, NOBODY_YET, stale_directive, stale_line
+from studio.control.staleness import EPS, missing
 
 PAGE_LOST_AFTER = 0.4
 ARM_RAMP = 1.0
@@ -192,12 +193,9 @@ class Safety:
             return Directive.STAND, "page_lost", line
         if source_ended:
             return Directive.STAND, "source_ended", "ended: the source has no more motion"
-        age = self.stale_s(now)
-        if age is None:
-            return Directive.REST, "nobody", NOBODY_YET
-        directive = stale_directive(age)
-        if directive is not Directive.FOLLOW:
-            return directive, "stale", stale_line(age)
+        reason, line = missing(math.inf if self.seen_at is None else now - self.seen_at)
+        if reason:
+            return Directive.REST if reason == "nobody" else Directive.STAND, reason, line
         if keep[0]:
             return Directive.STAND if self.overrun else Directive.KEEP, *keep
         if self.overrun:

@@ -121,10 +121,11 @@ def thinned(poses: Sequence[HumanPose] | HumanClip) -> list[HumanPose]:
     return [poses[i] for i in range(0, len(poses), step)]
 
 
-def poses(source: Source, rate: float = CONTROL_HZ) -> Iterator[HumanPose | None]:
-    """What a source has to give in each control period, None where that is nothing, to its end."""
+def poses(source: Source, begin: float = 0.0) -> Iterator[HumanPose | None]:
+    """What a source has to give in each control period from `begin` s on, None where that is
+    nothing, to its end."""
     for k in count():
         try:
-            yield source.read(k / rate)
+            yield source.read(begin + k / CONTROL_HZ)
         except SourceEnded:
             return

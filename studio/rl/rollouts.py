@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import metrics
+from studio import geometry, metrics
 from studio.control.policy import Policy
 from studio.rl.bank import MotionBank
 from studio.rl.curriculum import Curriculum, Stage
@@ -157,11 +157,8 @@ def _way(
     bank, m = env.bank, env.motion
     last = np.minimum(life, bank.frames - 1)
     moved = bank.base_pos[m, last, :2] - bank.base_pos[m, 0, :2]
-    turn = yaw - bank.yaw[m, 0]
-    c, s = np.cos(turn), np.sin(turn)
-    asked = np.stack([c * moved[:, 0] - s * moved[:, 1], s * moved[:, 0] + c * moved[:, 1]], -1)
-    steps = np.linalg.norm(np.diff(bank.base_pos[m][..., :2], axis=1), axis=-1)
-    path = np.array([steps[i, :k].sum() for i, k in enumerate(last)])
+    asked = geometry.turn_xy(moved, yaw - bank.yaw[m, 0])
+    path = np.array([metrics.distance_m(bank.base_pos[i, : k + 1]) for i, k in zip(m, last)])
     return {"drift": np.linalg.norm(end - start - asked, axis=-1), "path": path}
 
 
@@ -173,9 +170,6 @@ def _smoothness(env: ImitationEnv, joints: NDArray, life: NDArray[np.intp]) -> d
         k = max(int(life[i]), MAX_LAG + 4)
         ours = joints[:k, i]
         asked = env.bank.joint_pos[env.motion[i], 1 : k + 1]
-        errors = [
-            float(np.mean((ours[d:] - asked[: len(asked) - d]) ** 2)) for d in range(MAX_LAG + 1)
-        ]
-        lag[i] = int(np.argmin(errors)) * a1.CONTROL_DT
+        lag[i] = metrics.lag_periods(ours, asked, MAX_LAG) * a1.CONTROL_DT
         jerk[i] = float(np.sqrt(np.mean((np.diff(ours, n=3, axis=0) / a1.CONTROL_DT**3) ** 2)))
     return {"lag": lag, "jerk": jerk}

@@ -6,7 +6,6 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from studio.control.staleness import stale_command
 from studio.errors import StudioError
 from studio.evaluation.drive import run_drive
 from studio.evaluation.drive_report import DriveReport, tilt_against_feet
@@ -62,7 +61,7 @@ def check_shape(report):
 
 
 def test_a_bvh_is_driven_to_its_end_and_reported_on(bvh):
-    report = run_drive(DriveConfig(source=f"bvh:{bvh('quiet', 4.0)}"), guard=stale_command)
+    report = run_drive(DriveConfig(source=f"bvh:{bvh('quiet', 4.0)}"))
     check_shape(report)
     assert report["survived"]
     assert report["frames"] == 120
@@ -138,7 +137,6 @@ def test_files_of_recorded_frames_with_holes_and_nonsense_are_driven(tmp_path):
     whys = []
     report = run_drive(
         DriveConfig(source=f"frames:{path}"),
-        guard=stale_command,
         on_tick=lambda tick: whys.append(tick.why),
     )
     check_shape(report)
@@ -161,7 +159,9 @@ def test_tilt_is_told_against_the_feet_and_about_the_states_neutral():
         robot = replace(ticks[-1].robot, base_quat=tilted(state, tilt), foot_pos_w=feet)
         reference = replace(ticks[-1].reference, foot_contact=neutral.foot_contact)
         tick = replace(ticks[-1], state=state, robot=robot, reference=reference)
-        np.testing.assert_allclose(tilt_against_feet(tick), tilt, atol=1e-9)
+        np.testing.assert_allclose(
+            tilt_against_feet(tick, tick.robot.base_quat, tick.robot.foot_pos_w), tilt, atol=1e-9
+        )
 
 
 def test_an_empty_source_makes_an_empty_report_with_every_key():
@@ -175,9 +175,7 @@ def test_an_empty_source_makes_an_empty_report_with_every_key():
 @pytest.mark.parametrize("seed", range(3))
 def test_a_tour_visits_every_state_and_the_robot_survives(seed):
     speeds, ticks = {}, []
-    report = run_drive(
-        DriveConfig(source="operator", seed=seed), guard=stale_command, on_tick=ticks.append
-    )
+    report = run_drive(DriveConfig(source="operator", seed=seed), on_tick=ticks.append)
     check_shape(report)
     assert report["survived"], report["survival_ratio"]
     assert report["seconds"] == pytest.approx(40.0, abs=0.1)
@@ -197,7 +195,7 @@ def test_real_clips_are_survived_with_paws_up_where_arms_are(clips):
     assert names
     for path in names:
         kind = "bvh" if path.suffix == ".bvh" else "frames"
-        report = run_drive(DriveConfig(source=f"{kind}:{path}"), guard=stale_command)
+        report = run_drive(DriveConfig(source=f"{kind}:{path}"))
         check_shape(report)
         assert report["survived"], path.name
         if "arm_circles" in path.name or "arm_abduction" in path.name:

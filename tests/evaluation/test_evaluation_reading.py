@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from bvh_writer import NAMES, Layout, Names, write
 
-from studio.control.staleness import stale_command
 from studio.evaluation.drive import run_drive
 from studio.human.pose import HumanPose
 from studio.human.skeleton import JOINTS, NEUTRAL
@@ -29,7 +28,7 @@ def drive(tmp_path):
         path.write_bytes(content.encode() if isinstance(content, str) else content)
         kind = "bvh" if suffix == ".bvh" else "frames"
         config = DriveConfig(source=f"{kind}:{path}", sessions=tmp_path, **options)
-        return run_drive(config, guard=stale_command)
+        return run_drive(config)
 
     return driven
 

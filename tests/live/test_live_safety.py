@@ -6,7 +6,7 @@ from typing import get_args
 import pytest
 
 from studio.control.drive_command import Directive, Reason
-from studio.control.staleness import stale_command, stale_directive, why_still
+from studio.control.staleness import missing, stale_command, why_still
 from studio.live.safety import OVERRUN_WINDOW, Safety
 
 
@@ -31,16 +31,21 @@ def decided(
     ],
 )
 def test_a_person_who_goes_missing_is_first_reused_then_stood_for(age, directive):
-    assert stale_directive(age) is directive
+    assert stale_command(age).directive is directive
     command = decided(Safety(armed=True), now=age, human_at=0.0)
     assert command.directive is directive
     assert not command.damping  # damping is never for somebody who stepped out of view
     assert command.why.startswith("stale") == (directive is not Directive.FOLLOW)
+    assert (command.reason, command.why) == missing(age)
 
 
 def test_nobody_seen_yet_is_no_reason_to_move():
     assert stale_command(float("inf")).directive is Directive.FOLLOW
-    assert decided(Safety(armed=True), human_at=None).directive is Directive.REST
+    live = decided(Safety(armed=True), human_at=None)
+    assert live.directive is Directive.REST
+    # Whoever asks, it is said in the same words.
+    lines = {(live.reason, live.why), missing(float("inf"))}
+    assert lines == {why_still(float("inf"), "stand", {"stand": 1.0}, None)}
 
 
 def test_an_emergency_stop_latches_until_reset_and_arm_in_that_order():
@@ -117,7 +122,7 @@ def test_beats_of_a_page_that_only_watches_keep_nobody_alive():
         (False, {}, "unarmed", "unarmed"),
         (True, {"source_ended": True}, "ended", "source_ended"),
         (True, {"overrun": True}, "overrun", "overrun"),
-        (True, {"human_at": None}, "stale", "nobody"),
+        (True, {"human_at": None}, "nobody", "nobody"),
         (True, {"now": 9.0, "human_at": 8.4}, "stale", "stale"),
     ],
 )
