@@ -9,6 +9,7 @@ from studio.mocap.joint_maps import JointMap, JointMaps
 from studio.mocap.source import Source, SourceEnded, TakesNoFrames, poses
 
 __all__ = [
+    "FILES",
     "SOURCES",
     "Source",
     "SourceEnded",
@@ -18,6 +19,7 @@ __all__ = [
     "open_source",
     "poses",
     "refuse_joint_map",
+    "spec_of",
     "usages",
 ]
 
@@ -130,6 +132,18 @@ SOURCES: dict[str, SourceKind] = {
     ),
 }  # fmt: skip
 """Every source by the first word of its spec (docs/contract.md)."""
+
+
+FILES = {suffix: name for name, kind in SOURCES.items() for suffix in kind.suffixes}
+"""Which source plays a file, by its suffix in lower case."""
+
+
+def spec_of(file: Path) -> str:
+    """The spec that plays a file of motion; StudioError for one that no source plays."""
+    kind = FILES.get(file.suffix.lower())
+    if kind is None:
+        raise StudioError(f"{file.name!r} is no file of motion: one ends in {', '.join(FILES)}")
+    return f"{kind}:{file}"
 
 
 def usages(*, served: bool = True) -> list[str]:

@@ -24,7 +24,7 @@ from studio.mocap.stream import StreamSource
 from studio.mocap.vmc import VmcSource
 from studio.reference.intent import Intent
 from studio.robot.pose import ReferencePose, RobotState
-from studio.sources import SOURCES, Source, SourceEnded, open_source, usages
+from studio.sources import SOURCES, Source, SourceEnded, open_source, spec_of, usages
 from studio.synthetic.impaired import Impaired, Impairment
 from studio.synthetic.operator import FollowingOperator, InteractiveOperator
 from studio.takes.record.recorder import Recorder
@@ -475,3 +475,10 @@ def test_an_impaired_source_does_what_its_source_can_do():
     assert follower.read(0.0) is None
     follower.show(Intent(state="stand"))
     assert follower.read(1 / 30) is not None
+
+
+def test_a_file_is_played_by_the_source_that_says_so():
+    assert spec_of(Path("a/walk.BVH")) == "bvh:a/walk.BVH"
+    assert spec_of(Path("a.json")) == "frames:a.json"
+    with pytest.raises(StudioError, match=r"\.jsonl"):
+        spec_of(Path("a.fbx"))

@@ -89,8 +89,8 @@ def _test_time(state: StateName) -> dict[str, Motions]:
 
 
 def _treated(name: str, contact: bool, limit: float) -> Motions:
-    def draw(state: StateName, num: int, seed: int) -> MotionBank:
-        bank = first(library(state, num, seed), num)
+    def draw(state: StateName, num: int, seed: int, cache: Path | None) -> MotionBank:
+        bank = first(library(state, num, seed, cache), num)
         return disturbed(bank, np.random.default_rng([seed, 3]), contact=contact, speed_limit=limit)
 
     draw.__name__ = name

@@ -3,7 +3,6 @@
 `a1-studio evaluate operator_statistics --clips DIR --figure models/operator_statistics.png`
 """
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,15 +11,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.errors import StudioError
+from studio.evaluation.clips import read_labels
 from studio.evaluation.options import TableOptions
 from studio.human.calibration import calibrate
 from studio.human.features import FEATURE_NAMES, clip_features
 from studio.human.pose import HumanClip
-from studio.mocap.bvh import load_bvh
-from studio.mocap.frames import load_frames
+from studio.mocap.clip_source import ClipSource
 from studio.reference.intent import STATES
 from studio.reference.library import TASKS
 from studio.retarget.selector import NAMES
+from studio.sources import open_source, spec_of
 from studio.synthetic import Person, exercise, play, squats
 from studio.synthetic.signals import of_track
 from studio.timing import CONTROL_HZ
@@ -60,11 +60,8 @@ def real_features(folder: Path) -> dict[str, Array]:
     `labels.json` there tells, per file, which stretches are stand, walk or sit. Raises
     StudioError where there is none, or nothing is labelled.
     """
-    labels_file = folder / "labels.json"
-    if not labels_file.is_file():
-        raise StudioError(f"no labels.json in {folder}: name a folder of labelled clips")
     found: dict[str, list[Array]] = {state: [] for state in STATES}
-    for name, spans in json.loads(labels_file.read_text()).items():
+    for name, spans in read_labels(folder).items():
         if not spans:
             continue
         clip = _load(folder / name).at_rate(CONTROL_HZ)
@@ -73,7 +70,7 @@ def real_features(folder: Path) -> dict[str, Array]:
             inside = (clip.t >= span["from"]) & (clip.t <= span["to"])
             found[span["expert"]].append(triplet[:, inside])
     if not any(found.values()):
-        raise StudioError(f"{labels_file} labels nothing: each file needs spans with an expert")
+        raise StudioError(f"the labels in {folder} are of nothing: files need spans with an expert")
     return {state: np.concatenate(parts, axis=1) for state, parts in found.items() if parts}
 
 
@@ -156,7 +153,9 @@ def _features(clip: HumanClip) -> Array:
 
 
 def _load(path: Path) -> HumanClip:
-    return load_bvh(path) if path.suffix == ".bvh" else load_frames(path)[0]
+    source = open_source(spec_of(path))
+    assert isinstance(source, ClipSource)
+    return source.clip
 
 
 def plot(statistics: dict[str, Ranges], path: Path) -> None:

@@ -4,7 +4,6 @@ A score on one's own generator proves little; this table decides. A folder of cl
 `labels.json`: per file, intervals in seconds with the expert a careful person would expect.
 """
 
-import json
 import logging
 from contextlib import closing
 from dataclasses import dataclass
@@ -16,17 +15,17 @@ from numpy.typing import NDArray
 
 from studio import metrics
 from studio.control.drive_command import PuppeteerConfig
-from studio.errors import StudioError
+from studio.evaluation.clips import read_labels
 from studio.evaluation.drive import drive, met
 from studio.evaluation.drive_report import DriveReport, tilt_against_feet, tilt_ranges
 from studio.evaluation.options import TableOptions
-from studio.evaluation.people_starts import clip_spec, start_rows
+from studio.evaluation.people_starts import start_rows
 from studio.options import ControllerName, Style
 from studio.reference.stances import NEUTRAL
 from studio.retarget.experts import EXPERTS
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT, FOOT_RADIUS
-from studio.sources import open_source
+from studio.sources import open_source, spec_of
 from studio.takes.tick import Tick
 from studio.training.machine import commit
 
@@ -72,18 +71,6 @@ def run_people(options: Options) -> dict[str, Any]:
     return {"rows": [{"episodes": 1, **row, "commit": made_by} for row in rows]}
 
 
-def read_labels(folder: Path) -> dict[str, list[dict[str, Any]]]:
-    """Clip file name -> intervals {from, to, expert}; StudioError if there are none to read."""
-    try:
-        labels = json.loads((folder / "labels.json").read_text())
-    except (OSError, ValueError) as error:
-        raise StudioError(f"no labels.json to read in {folder}: {error}") from error
-    present = {name: found for name, found in labels.items() if (folder / name).is_file()}
-    if not present:
-        raise StudioError(f"none of the clips that {folder}/labels.json names is in {folder}")
-    return present
-
-
 def frame_labels(t: NDArray, intervals: list[dict[str, Any]]) -> list[str]:
     """The expected expert of each time (T,) s, "" where there is no label."""
     out = [""] * len(t)
@@ -95,7 +82,7 @@ def frame_labels(t: NDArray, intervals: list[dict[str, Any]]) -> list[str]:
 
 def drive_clip(options: Options, name: str) -> list[Tick]:
     """Every tick of a clip, to its end even if the robot falls on the way."""
-    spec = clip_spec(options.clips / name)
+    spec = spec_of(options.clips / name)
     config = PuppeteerConfig(style=options.style, controller=options.controller, seed=options.seed)
     with closing(open_source(spec, seed=options.seed, style=options.style)) as source:
         return list(drive(met(source, config), source, through_falls=True))

@@ -14,10 +14,11 @@ import numpy as np
 
 from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
+from studio.evaluation.clips import clips_below
 from studio.evaluation.drive import drive, met
 from studio.options import ControllerName, Style
 from studio.robot.a1 import CONTROL_DT
-from studio.sources import open_source
+from studio.sources import FILES, open_source, spec_of
 
 log = logging.getLogger(__name__)
 SHORTEST_S = 1.0
@@ -42,7 +43,7 @@ def start_rows(
         raise StudioError(f"--starts says how many seconds apart starts are: over 0, not {every}")
     clips = clips_below(folder)[:most]
     if not clips:
-        raise StudioError(f"no .bvh and no .jsonl in {folder} or below it")
+        raise StudioError(f"no clip ({', '.join(FILES)}) in {folder} or below it")
     config = PuppeteerConfig(style=style, controller=controller, seed=seed)
     rows = []
     for clip in clips:
@@ -53,31 +54,21 @@ def start_rows(
     return [*rows, {**rows[0], "case": "all", "fell_at_s": None, **total}]
 
 
-def clips_below(folder: Path) -> list[Path]:
-    """What can be driven, in order of their names."""
-    return sorted(p for p in folder.rglob("*") if p.suffix in (".bvh", ".jsonl") and p.is_file())
-
-
 def starts(clip: Path, every: float) -> Iterable[float]:
     """s into the clip, from 0 on."""
-    with closing(open_source(clip_spec(clip))) as source:
+    with closing(open_source(spec_of(clip))) as source:
         duration = source.duration or 0.0
     return [float(t) for t in np.arange(0.0, max(duration - SHORTEST_S, 0.0) + 1e-9, every)]
 
 
 def fall_from(clip: Path, start: float, config: PuppeteerConfig) -> tuple[float, float | None]:
     """(s driven, s after `start` at which the robot fell, or None), of a clip begun at `start`."""
-    with closing(open_source(clip_spec(clip), seed=config.seed, style=config.style)) as source:
+    with closing(open_source(spec_of(clip), seed=config.seed, style=config.style)) as source:
         ticks = list(drive(met(source, config), source, begin=start))
     if ticks and ticks[-1].fallen:
         fell = (len(ticks) - 1) * CONTROL_DT
         return fell, fell
     return len(ticks) * CONTROL_DT, None
-
-
-def clip_spec(clip: Path) -> str:
-    """The source that plays a file of motion."""
-    return f"{'bvh' if clip.suffix == '.bvh' else 'frames'}:{clip}"
 
 
 def _row(

@@ -34,7 +34,6 @@ TABLES = {
     "operator_statistics": "the synthetic operator's ranges beside real ones (needs --clips)",
 }
 """Name: what it tells. A table that is not here is not built."""
-OF_CLIPS = ("people", "operator_statistics")
 
 
 @dataclass(frozen=True)
@@ -49,6 +48,11 @@ class Table:
     def takes(self) -> list[str]:
         """The names of its options."""
         return [field.name for field in fields(self.options)]
+
+    @property
+    def needs(self) -> list[str]:
+        """The names of those without a default."""
+        return [f.name for f in fields(self.options) if f.default is f.default_factory]
 
 
 def table(name: str) -> Table:
@@ -73,13 +77,13 @@ def run_table(name: str, options: TableOptions, *, keep: Path | None = KEPT) -> 
 
 
 def _run_all(options: AllOptions, *, keep: Path | None = KEPT) -> dict[str, Any]:
-    """Every table, those of clips only where there are clips; each row names its `table`."""
+    """Every table that has what it needs, such as clips; each row names its `table`."""
     given = {key: value for key, value in vars(options).items() if value is not None}
     rows = []
     for name in TABLES:
-        if name in OF_CLIPS and options.clips is None:
-            continue
         each = table(name)
+        if not given.keys() >= {*each.needs}:
+            continue
         own = each.options(**{key: given[key] for key in each.takes if key in given})
         rows += [{"table": name, **row} for row in run_table(name, own, keep=keep)["rows"]]
     return {"rows": rows}

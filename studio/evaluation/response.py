@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from studio import metrics
 from studio.control.drive_command import PuppeteerConfig
 from studio.control.staleness import stale_command
+from studio.evaluation.clips import clips_below
 from studio.evaluation.lateness import lag_s, onset_s
 from studio.evaluation.options import TableOptions
-from studio.evaluation.people_starts import clip_spec, clips_below
 from studio.evaluation.response_signals import GESTURES, STAGES, STEPPING, signals, track_of
 from studio.human.calibration import calibrate
 from studio.human.pose import HumanPose
@@ -31,7 +31,7 @@ from studio.reference.marching import march_track
 from studio.retarget.mapper import Mapped
 from studio.retarget.settings import joint_speed
 from studio.robot.a1 import CONTROL_DT
-from studio.sources import open_source
+from studio.sources import open_source, spec_of
 from studio.synthetic.perform import perform
 from studio.synthetic.person import Person
 from studio.timing import PAPER_JOINT_SPEED_DEG
@@ -163,7 +163,7 @@ def _acted(name: str, seed: int, config: PuppeteerConfig) -> Followed:
 
 def _clip(path: Path, config: PuppeteerConfig) -> list[Followed]:
     """Both hands of a real clip, as far as they move."""
-    source: Source = open_source(clip_spec(path))
+    source: Source = open_source(spec_of(path))
     try:
         calm = source.calibration_poses()
         noted = _follow(HANDS, source.read, calm, config, source.duration or 60.0)

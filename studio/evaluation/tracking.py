@@ -36,7 +36,7 @@ HELD_OUT = 10_000
 """Added to the seed of the motions: training's banks use seeds below it."""
 CACHE = Path("runs/evaluate")
 Job = tuple[StateName, Contender]
-Motions = Callable[[StateName, int, int], MotionBank]
+Motions = Callable[[StateName, int, int, Path | None], MotionBank]
 
 # Name in a row: (figure of an episode, from the mean to the row's unit).
 _FIGURES: dict[str, tuple[str, Callable[[float], float]]] = {
@@ -101,8 +101,8 @@ def compare(
 ) -> list[dict[str, Any]]:
     """A row for each state and contender, on the same held-out motions, dynamics and noise.
 
-    motions: draws a chunk's bank from (state, number of episodes, seed); None: the library's.
-    Raises StudioError for fewer than one episode.
+    motions: draws a chunk's bank from (state, number of episodes, seed, cache); None: the
+    library's. Raises StudioError for fewer than one episode.
     """
     refuse_none(episodes)
     motions = motions or library
@@ -118,7 +118,7 @@ def compare(
                 file = _file(cache, motions, state, who, num, seed, chunk)
                 if file is None or not file.exists():
                     if state not in banks:
-                        banks = {state: motions(state, num, HELD_OUT + 1000 * seed + chunk)}
+                        banks = {state: motions(state, num, HELD_OUT + 1000 * seed + chunk, cache)}
                     env = who.environment(banks[state], num, 1000 * seed + chunk, threads)
                     part.append(rollouts.run_episodes(env, who.act))
                     if file:
@@ -142,10 +142,10 @@ def names_of(kind: str, given: Sequence[str] | str, known: Sequence[str]) -> lis
     return names
 
 
-def library(state: StateName, num: int, seed: int) -> MotionBank:
-    """At least `num` held-out motions of a state's tasks, at full range."""
+def library(state: StateName, num: int, seed: int, cache: Path | None = CACHE) -> MotionBank:
+    """At least `num` held-out motions of a state's tasks, at full range, kept in `cache`."""
     tasks = len(task_names(state))
-    banks = CACHE / "banks"
+    banks = None if cache is None else cache / "banks"
     return library_bank(banks, state, per_task=-(-num // tasks), seed=seed, difficulties=(1.0,))
 
 

@@ -27,7 +27,7 @@ CONTROLLERS = ("pd_playback", "policy")
 def transitions_from(source: StateName) -> Motions:
     """Draws a bank of transitions out of one state."""
 
-    def draw(state: StateName, num: int, seed: int) -> MotionBank:
+    def draw(state: StateName, num: int, seed: int, _cache: Path | None = None) -> MotionBank:
         rng = np.random.default_rng([seed, 7])
         frames = round(SECONDS * a1.CONTROL_HZ) + 1
         motions = [

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from studio import geometry, metrics
 from studio.control.drive_command import PuppeteerConfig
+from studio.evaluation.clips import clips_below
 from studio.evaluation.drive import drive, met
 from studio.evaluation.options import TableOptions
-from studio.evaluation.people_starts import clip_spec, clips_below
 from studio.mocap.source import Source
 from studio.options import ControllerName
 from studio.robot.a1 import CONTROL_DT
-from studio.sources import open_source
+from studio.sources import open_source, spec_of
 from studio.synthetic.travelling import AT_PERSONS_SIZE, Travelling
 from studio.training.machine import commit
 
@@ -184,4 +184,4 @@ def _person(seed: int, velocity: Array) -> Callable[[], Source]:
 
 
 def _clip(path: Path) -> tuple[str, Callable[[], Source]]:
-    return path.name, lambda: open_source(clip_spec(path))
+    return path.name, lambda: open_source(spec_of(path))

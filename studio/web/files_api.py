@@ -10,14 +10,12 @@ from fastapi import APIRouter, HTTPException, Request
 from studio.errors import StudioError
 from studio.human.joint_names import UnmappedJoints
 from studio.live.commands import SetSource
-from studio.sources import SOURCES, open_source
+from studio.sources import FILES, open_source
 from studio.web.answers import State, answers
 from studio.web.hub import Hub, OffThread, refused
 
 MAX_FILE = 64 * 1024 * 1024
 """Bytes: ten minutes of 120 Hz BVH are 40 MB."""
-KINDS = {suffix: name for name, kind in SOURCES.items() for suffix in kind.suffixes}
-"""Which source plays a file."""
 
 
 def safe_name(name: str) -> str:
@@ -34,7 +32,7 @@ def files_router(hub: Hub) -> APIRouter:
     @router.post("/files", **answers(State, 409, 413, 415, 422))
     async def drop(name: str, request: Request) -> dict[str, Any]:
         """Body: the file's bytes; `name`: its name. Answers the state, with it as the source."""
-        kind = KINDS.get(Path(name).suffix.lower())
+        kind = FILES.get(Path(name).suffix.lower())
         if kind is None:
             raise refused(f"{name[:80]!r} is not a motion file: drop a .bvh or a .jsonl", 415)
         declared = request.headers.get("content-length", "")

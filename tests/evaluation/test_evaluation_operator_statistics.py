@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from studio.errors import StudioError
+from studio.evaluation.clips import LABELS, clips_below, read_labels
 from studio.evaluation.operator_statistics import Ranges, operator_statistics, plot
 
 
@@ -20,6 +21,17 @@ def test_coverage_is_the_shared_part_of_the_real_range():
 def test_a_folder_without_labels_says_what_is_missing(tmp_path: Path):
     with pytest.raises(StudioError, match=r"labels\.json"):
         operator_statistics(tmp_path)
+
+
+def test_labels_of_a_state_that_there_is_not_are_refused(tmp_path: Path):
+    (tmp_path / "a.bvh").touch()
+    labels = '{"a.bvh": [{"from": 0, "to": 1, "expert": "%s"}], "gone.bvh": []}'
+    (tmp_path / LABELS).write_text(labels % "fly")
+    with pytest.raises(StudioError, match="fly"):
+        operator_statistics(tmp_path)
+    (tmp_path / LABELS).write_text(labels % "sit")
+    assert list(read_labels(tmp_path)) == ["a.bvh"]
+    assert clips_below(tmp_path) == [tmp_path / "a.bvh"]
 
 
 @pytest.mark.slow

@@ -10,7 +10,7 @@ import pytest
 
 from studio.errors import StudioError
 from studio.evaluation.options import AllOptions, TableOptions
-from studio.evaluation.registry import OF_CLIPS, TABLES, run_table, table
+from studio.evaluation.registry import TABLES, run_table, table
 
 
 @pytest.mark.parametrize("name", TABLES)
@@ -20,13 +20,13 @@ def test_a_table_is_run_with_its_own_options_and_nothing_else(name: str) -> None
     first, *others = inspect.signature(found.run).parameters.values()
     assert issubclass(get_type_hints(found.run)[first.name], found.options)
     assert all(p.kind is p.KEYWORD_ONLY and p.default is not p.empty for p in others)
-    needed = [f.name for f in fields(found.options) if f.default is f.default_factory]
-    assert needed == (["clips"] if name in OF_CLIPS else [])
+    assert found.needs in ([], ["clips"])  # what `all` may be given
+    assert bool(found.needs) is ("(needs --clips)" in TABLES[name])
 
 
 @pytest.mark.parametrize("name", [*TABLES, "all"])
 def test_no_table_is_made_of_no_episodes(name: str) -> None:
-    needed: Any = {"clips": Path("clips")} if name in OF_CLIPS else {}
+    needed: Any = {option: Path("clips") for option in table(name).needs}
     with pytest.raises(StudioError, match="at least 1"):
         table(name).options(episodes=0, **needed)
 
