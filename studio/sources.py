@@ -90,6 +90,14 @@ def _frames(o: Opening) -> Source:
     return ClipSource(recorded.clip, o.spec, recorded.report)
 
 
+def _video(o: Opening) -> Source:
+    from studio.mocap.clip_source import ClipSource
+    from studio.mocap.video import read_video
+
+    recorded = read_video(o.needed())
+    return ClipSource(recorded.clip, o.spec, recorded.report)
+
+
 def _take(o: Opening) -> Source:
     from studio.mocap.take_source import TakeSource
 
@@ -119,6 +127,10 @@ SOURCES: dict[str, SourceKind] = {
     "frames": SourceKind(
         usage="frames:FILE", about="recorded human frames in JSON", open=_frames,
         suffixes=(".jsonl", ".json"),
+    ),
+    "video": SourceKind(
+        usage="video:FILE", about="the person in a video, by the page's model", open=_video,
+        suffixes=(".mp4", ".mov", ".webm", ".mkv", ".avi", ".mjpeg"),
     ),
     "take": SourceKind(usage="take:NAME", about="the human side of a recorded take", open=_take),
     "webcam": SourceKind(
