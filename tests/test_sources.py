@@ -21,6 +21,7 @@ from studio.mocap.raw_frame import FrameRejected
 from studio.mocap.source import TakesNoFrames
 from studio.mocap.source import poses as source_poses
 from studio.mocap.stream import StreamSource
+from studio.mocap.video import PYTHON
 from studio.mocap.vmc import VmcSource
 from studio.reference.intent import Intent
 from studio.robot.pose import ReferencePose, RobotState
@@ -76,6 +77,18 @@ def write_bvh(path: Path) -> Path:
     return path
 
 
+def write_video(path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A file, and in place of the model (an extra; `test_mocap_video`) what it would say of it."""
+    frames = write_frames(path.with_suffix(".said"))
+    program = path.with_suffix(".program")
+    told = json.dumps({"pictures": 40, "whole": True})
+    program.write_text(f"#!/bin/sh\ncat '{frames}'\necho '{told}' >&2\n")
+    program.chmod(0o755)
+    monkeypatch.setenv(PYTHON, str(program))
+    path.write_bytes(b"pictures")
+    return path
+
+
 def record_take(sessions: Path) -> str:
     """A take of a person and a robot that stands, recorded as the studio records; its name."""
     joint_pos, zero = np.tile([0.0, 0.8, -1.6], 4), np.zeros(3)
@@ -108,7 +121,7 @@ def record_take(sessions: Path) -> str:
 
 
 @pytest.fixture
-def opened(tmp_path: Path):
+def opened(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Opens any registered source by its first word, with something to play."""
     made: list[Source] = []
 
@@ -118,6 +131,7 @@ def opened(tmp_path: Path):
             "frames": lambda: f"frames:{write_frames(tmp_path / 'a.jsonl')}",
             "take": lambda: f"take:{record_take(tmp_path)}",
             "vmc": lambda: "vmc:0",
+            "video": lambda: f"video:{write_video(tmp_path / 'a.mp4', monkeypatch)}",
         }.get(name, lambda: name)()
         source = open_source(spec, seed=1, sessions=tmp_path)
         made.append(source)

@@ -53,7 +53,12 @@ def read_video(path: str | Path) -> Recorded:
 
 def _look(path: Path, model: Path, frames: Path) -> dict[str, int]:
     """Run the model over the video; what it says at its end."""
-    command = [os.environ.get(PYTHON) or sys.executable, video_poses.__file__, str(path), str(model)]
+    command = [
+        os.environ.get(PYTHON) or sys.executable,
+        video_poses.__file__,
+        str(path),
+        str(model),
+    ]
     with frames.open("wb") as out:
         try:
             done = subprocess.run(

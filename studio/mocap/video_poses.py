@@ -36,8 +36,8 @@ def _fail(why: str) -> None:
 def main(video: str, model: str) -> None:
     """Write frames until the video ends; then {"pictures": how many it had}."""
     try:
-        import cv2
-        import mediapipe as mp
+        import cv2  # type: ignore[import-not-found]
+        import mediapipe as mp  # type: ignore[import-not-found]
     except ImportError as error:
         _fail(f"video needs MediaPipe (pip install 'a1-studio[video]'): {error}")
         return
