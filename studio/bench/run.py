@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from studio.errors import StudioError
-from studio.evaluation.drive import drive, met
+from studio.evaluation.behind import drive, met
 from studio.options import BenchConfig
 from studio.robot.a1 import CONTROL_DT
 from studio.sources import open_source

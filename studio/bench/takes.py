@@ -15,7 +15,7 @@ import numpy as np
 
 from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
-from studio.evaluation.drive import drive, met
+from studio.evaluation.behind import drive, met
 from studio.robot.a1 import CONTROL_DT, CONTROL_HZ
 from studio.sources import open_source
 from studio.takes.record.recorder import Recorder

@@ -2,29 +2,21 @@
 
 import contextlib
 import json
-import logging
-import math
-import time
-from collections.abc import Callable, Iterator
-from itertools import islice
+from collections.abc import Callable
 from pathlib import Path
 from typing import IO, Any
 
-from studio.control.drive_command import DriveCommand, PuppeteerConfig
-from studio.control.staleness import stale_command
+from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
+from studio.evaluation.behind import drive, met
 from studio.evaluation.drive_report import DriveReport, trace_line
-from studio.human.calibration import calibrate
 from studio.mocap.joint_maps import read_joint_map
 from studio.options import DriveConfig
-from studio.puppeteer import Puppeteer
 from studio.retarget.settings import joint_speed
-from studio.robot.a1 import CONTROL_DT
-from studio.sources import Source, open_source, poses, usages
+from studio.sources import Source, open_source, usages
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
 
-log = logging.getLogger(__name__)
 TOUR_SECONDS = 40.0
 """How long an endless operator is followed if nothing else is said: one tour of every task."""
 
@@ -91,38 +83,6 @@ def run_drive(
         if config.record:
             out["take"] = taken
         return out
-
-
-def met(source: Source, config: PuppeteerConfig | None = None) -> Puppeteer:
-    """The whole flow, which has measured the source's person standing quietly."""
-    return Puppeteer(config, calibrate(source.calibration_poses()))
-
-
-def drive(
-    puppeteer: Puppeteer,
-    source: Source,
-    seconds: float = math.inf,
-    *,
-    begin: float = 0.0,
-    guard: Callable[[float], DriveCommand] = stale_command,
-    through_falls: bool = False,
-    realtime: bool = False,
-) -> Iterator[Tick]:
-    """Ticks from `begin` s of the source on, until it ends, `seconds` have passed, or the robot has
-    fallen (if not to go on `through_falls`).
-
-    guard: what the age of the newest human pose (s, infinite before the first) calls for.
-    """
-    began = time.perf_counter()
-    periods = None if seconds == math.inf else round(seconds / CONTROL_DT)
-    for k, human in enumerate(islice(poses(source, begin), periods)):
-        tick = puppeteer.step(human, guard)
-        yield tick
-        if tick.fallen and not through_falls:
-            log.info("the robot fell after %.1f s", (k + 1) * CONTROL_DT)
-            return
-        if realtime:
-            time.sleep(max(0.0, began + (k + 1) * CONTROL_DT - time.perf_counter()))
 
 
 def _how_long(config: DriveConfig, source: Source) -> float:

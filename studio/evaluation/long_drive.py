@@ -19,7 +19,7 @@ from studio.control.controllers import (
 from studio.control.drive_command import PuppeteerConfig
 from studio.control.policy import Policy
 from studio.control.staleness import stale_command
-from studio.evaluation.drive import met
+from studio.evaluation.behind import met
 from studio.options import ControllerName
 from studio.reference.intent import STATES, StateName
 from studio.rl.noise import NoiseConfig

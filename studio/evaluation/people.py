@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 from studio import metrics
 from studio.control.drive_command import PuppeteerConfig
+from studio.evaluation.behind import drive, met
 from studio.evaluation.clips import read_labels
-from studio.evaluation.drive import drive, met
 from studio.evaluation.drive_report import DriveReport, tilt_against_feet, tilt_ranges
 from studio.evaluation.options import TableOptions
 from studio.evaluation.people_starts import start_rows

@@ -14,8 +14,8 @@ import numpy as np
 
 from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
+from studio.evaluation.behind import drive, met
 from studio.evaluation.clips import clips_below
-from studio.evaluation.drive import drive, met
 from studio.options import ControllerName, Style
 from studio.robot.a1 import CONTROL_DT
 from studio.sources import FILES, open_source, spec_of

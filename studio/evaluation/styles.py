@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from studio import geometry, metrics
 from studio.control.drive_command import PuppeteerConfig
 from studio.control.staleness import stale_command
-from studio.evaluation.drive import met
+from studio.evaluation.behind import met
 from studio.evaluation.options import TableOptions
 from studio.options import STYLES, ControllerName, Style
 from studio.puppeteer import Puppeteer

@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 
 from studio import geometry, metrics
 from studio.control.drive_command import PuppeteerConfig
+from studio.evaluation.behind import drive, met
 from studio.evaluation.clips import clips_below
-from studio.evaluation.drive import drive, met
 from studio.evaluation.options import TableOptions
 from studio.mocap.source import Source
 from studio.options import ControllerName
