@@ -53,6 +53,12 @@ def whole(path: Path, *, parents: bool = False) -> Iterator[Path]:
         _remove(scratch)
 
 
+def copy_whole(source: Path, target: Path) -> None:
+    """A copy of a file, whole or not at all, its folder made where need be. Raises OSError."""
+    with whole(target, parents=True) as scratch:
+        shutil.copy(source, scratch)
+
+
 def _alive(scratch: Path) -> bool:
     """Whether the process that writes it is there, as far as can be told."""
     number = scratch.name.split(".")[-2].partition("-")[0]

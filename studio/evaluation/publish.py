@@ -4,7 +4,6 @@
 """
 
 import json
-import shutil
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,8 +13,9 @@ import tyro
 from studio.control.policy import MODELS
 from studio.errors import StudioError
 from studio.evaluation.tracking import Options, run_tracking
-from studio.files import whole, write_whole
+from studio.files import copy_whole, write_whole
 from studio.reference.intent import StateName
+from studio.training.stages import ship
 
 SCORES = (
     "success_time_ratio",
@@ -53,13 +53,7 @@ def publish(config: Publish) -> dict[str, Any]:
     """
     run = config.run or Path("runs") / f"policy-{config.state}"
     stage = run / "publish"
-    (stage / "checkpoints").mkdir(parents=True, exist_ok=True)
-    for source, name in (
-        ("policy.safetensors", f"{config.state}.safetensors"),
-        ("policy.json", f"{config.state}.json"),
-        ("checkpoint.safetensors", f"checkpoints/{config.state}.safetensors"),
-    ):
-        shutil.copy(run / source, stage / name)
+    ship(run, config.state, stage)
     options = Options(
         episodes=config.episodes,
         seed=config.seed,
@@ -77,9 +71,7 @@ def publish(config: Publish) -> dict[str, Any]:
     manifest["scores"] = {"episodes": config.episodes, "seed": config.seed, **scores}
     write_whole(sidecar, json.dumps(manifest, indent=1) + "\n")
     for file in sorted(p for p in stage.rglob("*") if p.is_file()):
-        target = MODELS / file.relative_to(stage)
-        with whole(target, parents=True) as scratch:
-            shutil.copy(file, scratch)
+        copy_whole(file, MODELS / file.relative_to(stage))
     return scores
 
 

@@ -23,6 +23,7 @@ from studio.control.observation import HEADING_CLIP
 from studio.control.policy import Policy, Symmetric
 from studio.control.symmetry import observation_mirror
 from studio.errors import StudioError
+from studio.files import whole
 from studio.robot import a1
 from studio.robot.a1 import MIRROR_JOINT, MIRROR_SIGN
 
@@ -109,8 +110,8 @@ def export_onnx(name: str | Path, out: Path) -> Path:
     model = graph.model(policy.observation.dim)
     helper.set_model_props(model, {"manifest": json.dumps(facts)})
     onnx.checker.check_model(model)
-    out.parent.mkdir(parents=True, exist_ok=True)
-    onnx.save(model, out)
+    with whole(out, parents=True) as scratch:
+        onnx.save(model, scratch)
     return out
 
 

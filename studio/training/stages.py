@@ -3,11 +3,11 @@
 A stage is a whole run's settings; what a run was given goes before what its stages say.
 """
 
-import shutil
 from dataclasses import fields, replace
 from pathlib import Path
 
 from studio.control.policy import MODELS
+from studio.files import copy_whole
 from studio.training import variants
 from studio.training.policy_settings import PolicyTraining
 from studio.training.ppo import PpoConfig
@@ -131,22 +131,18 @@ def publish(stages: list[PolicyTraining]) -> None:
     """Copy what finished stages made to `models/policy`: weights, sidecar, checkpoint, teacher."""
     last = stages[-1]
     name = f"{last.state}.safetensors"
-    weights = last.folder / "policy.safetensors"
     if last.variant:
         target = variants.weights(last.state, last.variant, MODELS)
-        target.parent.mkdir(parents=True, exist_ok=True)
-        variants.publish(weights, target, last.variant)
+        variants.publish(last.folder / "policy.safetensors", target, last.variant)
         return
-    copies = {
-        weights: MODELS / name,
-        weights.with_suffix(".json"): MODELS / f"{last.state}.json",
-        last.folder / "checkpoint.safetensors": MODELS
-        / "checkpoints"
-        / f"{last.state}.safetensors",
-    }
+    ship(last.folder, last.state, MODELS)
     for stage in stages[:-1]:
         if stage.privileged:
-            copies[stage.folder / "teacher.safetensors"] = MODELS / "teachers" / name
-    for source, target in copies.items():
-        target.parent.mkdir(parents=True, exist_ok=True)
-        shutil.copy(source, target)
+            copy_whole(stage.folder / "teacher.safetensors", MODELS / "teachers" / name)
+
+
+def ship(run: Path, state: str, models: Path) -> None:
+    """Copy a run's weights, checkpoint and, last, sidecar to a folder of models, each whole."""
+    copy_whole(run / "policy.safetensors", models / f"{state}.safetensors")
+    copy_whole(run / "checkpoint.safetensors", models / "checkpoints" / f"{state}.safetensors")
+    copy_whole(run / "policy.json", models / f"{state}.json")

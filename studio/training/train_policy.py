@@ -17,6 +17,7 @@ from safetensors.numpy import load_file, save_file
 
 from studio.control.policy import save_policy
 from studio.errors import StudioError
+from studio.files import whole
 from studio.training.device import threads
 from studio.training.parallel import ProcessGroup, join, leave
 from studio.training.policy_settings import PolicyTraining
@@ -120,7 +121,8 @@ def _keep(trainer: PolicyTrainer, figures: dict[str, float], folder: Path) -> No
     trainer.curve.append({"samples": trainer.samples, **point})
     trainer.save(folder / "checkpoint.safetensors")
     if trainer.config.privileged:
-        save_file(trainer.tensors(), folder / "teacher.safetensors")
+        with whole(folder / "teacher.safetensors") as scratch:
+            save_file(trainer.tensors(), scratch)
     else:
         tensors, manifest = trainer.tensors(), trainer.manifest(scores={})
         if trainer.config.average:

@@ -8,7 +8,6 @@ at a time is seen.
 """
 
 import json
-import shutil
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,7 +16,7 @@ import numpy as np
 
 from studio.control.policy import MODELS
 from studio.errors import unknown_name
-from studio.files import whole, write_whole
+from studio.files import copy_whole, write_whole
 from studio.training.policy_settings import PolicyTraining
 from studio.training.recipes import TAUGHT, Recipe
 
@@ -68,8 +67,7 @@ def weights(state: str, name: str, models: Path = MODELS) -> Path:
 
 def publish(source: Path, target: Path, name: str) -> None:
     """Copy weights and sidecar, which then says which variant it is and what that changes."""
-    with whole(target) as scratch:
-        shutil.copy(source, scratch)
+    copy_whole(source, target)
     manifest = json.loads(source.with_suffix(".json").read_text())
     manifest["variant"] = {"name": name, "changes": VARIANTS[name]}
     write_whole(target.with_suffix(".json"), json.dumps(manifest, indent=1) + "\n")
