@@ -128,7 +128,7 @@ def _on(
 
 
 def _means(row: Row, means: str) -> bool:
-    return row["controller"] == "policy" and row.get("means", "march") == means
+    return row["controller"] == "policy" and row["means"] == means
 
 
 def _walking(
