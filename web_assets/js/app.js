@@ -111,7 +111,10 @@ const guide = new Guide({
 $("#guide-again").addEventListener("click", guide.begin);
 const view = new View({
   listen: (target) => keyboard.listen(target),
-  ready: () => $("#veil").classList.add("gone"),
+  ready: () => {
+    $("#veil").classList.add("gone");
+    collect.soon();
+  },
   drag: drops.drag,
   newest: () => studio.tick,
 });
@@ -192,7 +195,7 @@ ticks((tick) => {
   scenes.add(tick);
   studio.stillness.add(tick, studio.lastTick);
   controls.drawVotes(tick);
-  const captions = captionsOf(tick, studio.state?.source ?? "operator");
+  const captions = captionsOf(tick, studio.state);
   view.caption(captions);
   text($("#state-now"), captions.reference[1]);
   drawMeaning(tick);
