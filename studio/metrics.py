@@ -239,7 +239,5 @@ def mean_velocity(pos: Array, yaw: Array, dt: float) -> Array:
     pos: (T, 2) m, world. yaw: (T,) rad, unwrapped. Each step in the heading half way through it.
     """
     way, middle = np.diff(pos, axis=0), 0.5 * (yaw[1:] + yaw[:-1])
-    c, s = np.cos(middle), np.sin(middle)
-    forward = np.sum(c * way[:, 0] + s * way[:, 1])
-    left = np.sum(-s * way[:, 0] + c * way[:, 1])
+    forward, left = geometry.turn_xy(way, -middle).sum(axis=0)
     return np.array([forward, left, yaw[-1] - yaw[0]]) / (dt * len(way))

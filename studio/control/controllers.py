@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from studio.control.policy import MODELS, Policy
 from studio.errors import StudioError, unknown_name
 from studio.reference.intent import STATES, StateName
-from studio.reference.stances import NEUTRAL
+from studio.reference.stances import JOINT_SPEED, NEUTRAL
 from studio.robot.a1 import CONTROL_DT
 from studio.robot.pose import ReferencePose, RobotState
 
 Array = NDArray[np.float64]
 
-MAX_STEP = np.radians(115.0) * CONTROL_DT
+MAX_STEP = (JOINT_SPEED["stand"] - np.radians(5.0)) * CONTROL_DT
 """rad per control period, so that leaving a state's neutral pose never is a jump."""
 
 

@@ -1,6 +1,5 @@
 """Poses by where their feet are: which way they face, which stance fits over them, legs by IK."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -11,8 +10,8 @@ from studio.geometry import scalars
 from studio.reference import stances
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL, NEUTRAL_FEET, fit_plane
-from studio.robot import a1, kinematics
-from studio.robot.pose import ReferencePose, RobotPose
+from studio.robot import kinematics
+from studio.robot.pose import RobotPose
 
 Array = NDArray[np.float64]
 
@@ -41,10 +40,10 @@ def turn_z(yaw: float) -> Array:
 def placed(pose: RobotPose, position: Array, yaw: float) -> RobotPose:
     """The pose turned by yaw about the world's z axis, then moved by position (2,)."""
     (x, y, z), turn = pose.base_pos.tolist(), scalars.yaw(yaw)
-    c, s = math.cos(yaw), math.sin(yaw)
+    ahead, left = scalars.turn_xy(x, y, yaw)
     return replace(
         pose,
-        base_pos=np.array([c * x - s * y + position[0], s * x + c * y + position[1], z]),
+        base_pos=np.array([ahead + position[0], left + position[1], z]),
         base_quat=np.array(scalars.mul(turn, pose.base_quat.tolist())),
     )
 
@@ -76,17 +75,3 @@ def between(held: RobotPose, target: RobotPose, w: float) -> RobotPose:
     base_pos = (1.0 - w) * held.base_pos + w * target.base_pos
     feet = (1.0 - w) * feet_w(held) + w * feet_w(target)
     return replace(solve(base_pos, quat, feet), foot_contact=target.foot_contact)
-
-
-def with_velocity(pose: RobotPose, previous: RobotPose, dt: float = a1.CONTROL_DT) -> ReferencePose:
-    """The pose as a reference, its velocities by backward differences from `previous`."""
-    turned = scalars.mul(scalars.conj(previous.base_quat.tolist()), pose.base_quat.tolist())
-    return ReferencePose(
-        base_pos=pose.base_pos,
-        base_quat=pose.base_quat,
-        joint_pos=pose.joint_pos,
-        foot_contact=pose.foot_contact,
-        base_lin_vel_w=(pose.base_pos - previous.base_pos) / dt,
-        base_ang_vel_b=np.array(scalars.rotvec(turned)) / dt,
-        joint_vel=(pose.joint_pos - previous.joint_pos) / dt,
-    )

@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 from studio import geometry
 from studio.control import transition
 from studio.control.drive_command import Directive
-from studio.control.footing import between, facing, feet_w, solve, still, turn_z, with_velocity
+from studio.control.footing import between, facing, feet_w, solve, still, turn_z
 from studio.control.stopping import Halt, PutDown, StrideMemory, in_the_air
 from studio.control.transition import Path
 from studio.geometry.time_scaling import minimum_jerk
 from studio.reference.intent import STATES, StateName
+from studio.reference.motion import with_velocity
 from studio.reference.stances import JOINT_SPEED, NEUTRAL, quickness
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose
@@ -69,8 +70,7 @@ class StateMachine:
         self._last = pose
         self.reference = with_velocity(pose, pose)
         self._path: Path | None = None
-        self._path_t = 0.0
-        self._changes_state = False  # the path leads to another state
+        self._path_t, self._changes_state = 0.0, False  # the latter: it leads to another state
         self._strides = StrideMemory()
         self._stopping: Halt | PutDown | None = None
         self._following = self._followed = False

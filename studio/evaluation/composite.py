@@ -33,7 +33,7 @@ from studio.takes.tick import Tick
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
-CONTROLLERS = ("policy", "pd_playback", "stand_still")
+COMPARED = ("policy", "pd_playback", "stand_still")
 GOAL, WITH_GOAL = 0.95, ("greeting", "hardware", "push", "slalom")
 """Share of the policy's runs to complete, of these scenes."""
 VIEW = "third_person"
@@ -55,7 +55,7 @@ class Options(TableOptions):
     """Which scenes."""
     episodes: Annotated[int, tyro.conf.arg(aliases=["--seeds"])] = 20
     """People who try each scene, each with a seed of their own."""
-    controllers: tuple[str, ...] = CONTROLLERS
+    controllers: tuple[str, ...] = COMPARED
     """Which controllers."""
     style: Style = "march"
     """Which human motion means walking."""
@@ -90,7 +90,7 @@ def run_composite(options: Options = Options(), *, cache: Path | None = CACHE) -
     person and step. Attempts are kept in `cache`: a table that was cut off goes on. StudioError for
     an unknown scene or controller."""
     scenes = names_of("scene", options.scenes, tuple(PLAYS))
-    chosen = names_of("controller", options.controllers, CONTROLLERS)
+    chosen = names_of("controller", options.controllers, COMPARED)
     seeds = range(options.seed, options.seed + options.episodes)
     groups = [
         [Job(scene=s, controller=c, style=options.style, seed=k) for k in seeds]

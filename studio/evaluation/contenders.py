@@ -18,7 +18,7 @@ from studio.rl.env_config import EnvConfig
 from studio.training.variants import weights
 
 BASELINES = {"stand_still": rollouts.stand_still, "pd_playback": rollouts.pd_playback}
-CONTROLLERS = ("stand_still", "pd_playback", "policy", "policy_true_future", "monolithic")
+CONTENDERS = ("stand_still", "pd_playback", "policy", "policy_true_future", "monolithic")
 """The rows of the tracking table; the last two are trained at the ablation's budget."""
 
 
@@ -68,7 +68,7 @@ def path_of(name: str, state: StateName, models: Path = MODELS) -> Path:
 
 
 def contender(name: str, state: StateName, models: Path = MODELS) -> Contender | None:
-    """A row of CONTROLLERS for one state; None where its weights are not trained."""
+    """A row of CONTENDERS for one state; None where its weights are not trained."""
     if name in BASELINES:
         return baseline(name)
     path = path_of(name, state, models)

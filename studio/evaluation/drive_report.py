@@ -7,15 +7,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry, metrics
+from studio.reference.intent import STATES
 from studio.reference.stances import NEUTRAL_FEET, tilt_of
+from studio.retarget.selector import UNKNOWN
 from studio.robot import a1, kinematics
 from studio.robot.a1 import CONTROL_DT, FOOT_RADIUS
 from studio.takes.as_json import tick_dict
 from studio.takes.tick import Tick
 
 Array = NDArray[np.float64]
-EXPERTS = ("stand", "walk", "sit", "unknown")
-STATES = ("stand", "walk", "sit", "transition")
+VOTED = (*STATES, UNKNOWN)
+PASSED = (*STATES, "transition")
+"""What an expert, and a state, may be called in a tick."""
 
 
 def trace_line(tick: Tick) -> dict[str, Any]:
@@ -45,8 +48,8 @@ class DriveReport:
             "seconds": round(seconds, 4),
             "survived": not fell,
             "survival_ratio": min(1.0, seconds / expected_seconds) if fell else 1.0,
-            "state_seconds": {s: _share(ticks, "state", s) * seconds for s in STATES},
-            "expert_share": {e: _share(fresh, "expert", e) for e in EXPERTS},
+            "state_seconds": {s: _share(ticks, "state", s) * seconds for s in PASSED},
+            "expert_share": {e: _share(fresh, "expert", e) for e in VOTED},
             "rejected_frames": rejected + rejected_by_source,
             "controller": ticks[-1].controller if ticks else None,
         }
@@ -104,7 +107,7 @@ _NOTHING: dict[str, Any] = {
     "tilt_deg": {axis: [0.0, 0.0] for axis in ("roll", "pitch", "yaw")},
     "base_height_m": [0.0, 0.0],
     "paw_height_m": {"FR": [0.0, 0.0], "FL": [0.0, 0.0]},
-    "max_joint_speed_deg_s": {state: 0.0 for state in STATES},
+    "max_joint_speed_deg_s": {state: 0.0 for state in PASSED},
     "clipped_share": 0.0,
     "limit_violations": 0,
     "joint_rmse_deg": 0.0,
@@ -136,7 +139,7 @@ def _joint_speed(ticks: list[Tick], joints: Array) -> dict[str, float]:
     state = np.array([t.state for t in ticks])[1:]
     # Placing the robot in the first voted state is no motion.
     moved = np.array([b.robot.t > a.robot.t for a, b in pairwise(ticks)], dtype=bool)
-    return {s: float(np.max(speed[(state == s) & moved], initial=0.0)) for s in STATES}
+    return {s: float(np.max(speed[(state == s) & moved], initial=0.0)) for s in PASSED}
 
 
 def _tilt_deg(ticks: list[Tick]) -> dict[str, list[float]]:
@@ -170,5 +173,5 @@ def tilt_against_feet(tick: Tick, base_quat: Array, foot_pos_w: Array) -> Array:
     now, rest = foot_pos_w[legs, :2], NEUTRAL_FEET[state][legs, :2]  # type: ignore[index]
     a, b = rest - rest.mean(axis=0), now - now.mean(axis=0)
     yaw = np.arctan2(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]), np.sum(a * b))
-    turned_back = geometry.quat_from_rpy([0.0, 0.0, -float(yaw)])
+    turned_back = geometry.quat_from_yaw(-yaw)
     return tilt_of(state, geometry.quat_mul(turned_back, base_quat))  # type: ignore[arg-type]

@@ -20,7 +20,7 @@ from studio.timing import CONTROL_HZ
 from studio.training.machine import commit
 
 KICK_M_S: dict[StateName, float] = {"stand": 0.5, "walk": 0.3}
-CONTROLLERS = ("pd_playback", "policy")
+COMPARED = ("pd_playback", "policy")
 MOMENTS_S = (1.0, 6.0)
 
 
@@ -39,7 +39,7 @@ def run_kicks(options: Options = Options(), *, models: Path = MODELS) -> dict[st
     rows = []
     for state, size in KICK_M_S.items():
         bank = library(state, episodes, HELD_OUT + 1000 * seed + 500)
-        for name in CONTROLLERS:
+        for name in COMPARED:
             who = contender(name, state, models)
             if who is None:
                 continue

@@ -206,8 +206,7 @@ def integrated_velocity(state: StateName, mapped: Mapped, truth: Performed) -> P
     if state == "walk":
         spin = geometry.quat_rotate(quat, mapped.rates[SETTLE:, RATES["base_ang_vel"]])
         yaw = np.cumsum(spin[:, 2]) * CONTROL_DT
-    zero = np.zeros_like(yaw)
-    turn = geometry.quat_from_rpy(np.stack([zero, zero, yaw], axis=-1))
+    turn = geometry.quat_from_yaw(yaw)
     pos = truth.base_pos[0] + np.cumsum(geometry.quat_rotate(turn, velocity), axis=0) * CONTROL_DT
     return Performed(
         base_pos=pos,

@@ -17,13 +17,14 @@ from rich.progress import Progress
 
 from studio.control.policy import MODELS
 from studio.errors import unknown_name
-from studio.evaluation.contenders import CONTROLLERS, Contender, contender
+from studio.evaluation.contenders import CONTENDERS, Contender, contender
 from studio.evaluation.options import PolicyOptions, refuse_none
 from studio.files import fingerprint
 from studio.metrics import bootstrap_ci, rms_deg
 from studio.reference.intent import STATES, StateName
+from studio.reference.library import task_names
 from studio.rl import rollouts
-from studio.rl.bank import MotionBank, task_names
+from studio.rl.bank import MotionBank
 from studio.rl.bank_store import library_bank, save_arrays
 from studio.training.machine import commit
 
@@ -63,7 +64,7 @@ class Options(PolicyOptions):
 
     states: tuple[StateName, ...] = STATES
     """Which experts."""
-    controllers: tuple[str, ...] = CONTROLLERS
+    controllers: tuple[str, ...] = CONTENDERS
     """Which controllers; a policy that is not trained has no row."""
 
 
@@ -80,7 +81,7 @@ def run_tracking(
     run that was cut off goes on where it stopped. StudioError for unknown names.
     """
     wanted = cast(list[StateName], names_of("state", options.states, STATES))
-    chosen = names_of("controller", options.controllers, CONTROLLERS)
+    chosen = names_of("controller", options.controllers, CONTENDERS)
     present: list[Job] = []
     for state in wanted:
         for name in chosen:

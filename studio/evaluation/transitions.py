@@ -21,7 +21,7 @@ from studio.rl.transitions import SOURCES, rests_on_legs, transition_motion
 from studio.robot import a1
 
 SECONDS = 10.0
-CONTROLLERS = ("pd_playback", "policy")
+COMPARED = ("pd_playback", "policy")
 
 
 def transitions_from(source: StateName) -> Motions:
@@ -47,7 +47,7 @@ class Options(PolicyOptions):
 
     episodes: int = 256
     """Episodes a row."""
-    controllers: tuple[str, ...] = CONTROLLERS
+    controllers: tuple[str, ...] = COMPARED
     """Which controllers; a policy that is not trained has no row."""
 
 

@@ -202,7 +202,12 @@ def heading(q: ArrayLike) -> Array:
 
 def heading_quat(q: ArrayLike) -> Array:
     """The heading frame of (..., 4): a rotation about world z only."""
-    half = 0.5 * heading(q)
+    return quat_from_yaw(heading(q))
+
+
+def quat_from_yaw(yaw: ArrayLike) -> Array:
+    """Rotations (..., 4) by yaw (...) rad about z."""
+    half = 0.5 * np.asarray(yaw, dtype=np.float64)
     zero = np.zeros_like(half)
     return np.stack([np.cos(half), zero, zero, np.sin(half)], axis=-1)
 

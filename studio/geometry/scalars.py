@@ -44,6 +44,12 @@ def yaw(angle: float) -> tuple[float, float, float, float]:
     return (math.cos(0.5 * angle), 0.0, 0.0, math.sin(0.5 * angle))
 
 
+def turn_xy(x: float, y: float, angle: float) -> tuple[float, float]:
+    """A vector turned to the left by `angle` rad about z."""
+    c, s = math.cos(angle), math.sin(angle)
+    return c * x - s * y, s * x + c * y
+
+
 def row_x(q: Sequence[Part]) -> tuple[Part, Part, Part]:
     """The first row of the rotation matrix of a unit quaternion R_a_b: a's x axis seen from b."""
     w, x, y, z = q

@@ -101,8 +101,9 @@ class Runtime:
 
     def step(self, now: float) -> Tick:
         """Read the source, drive the robot (or replay), record. `now`: s on the loop's clock."""
+        self.props = None
         if self.mode == "replay" and self.replay is not None:
-            tick, self.props = self.replay.step(), None
+            tick = self.replay.step()
             self._replayed += tick.human_fresh
             paused: Reason = "paused" if tick.why else ""
             self.reason = self.safety.reason or paused

@@ -125,7 +125,7 @@ class Place:
 
     def of(self, pose: ReferencePose) -> ReferencePose:
         """A pose shown from the origin, here."""
-        turn = geometry.quat_from_rpy([0.0, 0.0, self.yaw])
+        turn = geometry.quat_from_yaw(self.yaw)
         shift = np.array([self.xy[0], self.xy[1], 0.0])
         return replace(
             pose,

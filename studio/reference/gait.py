@@ -51,7 +51,7 @@ WAY_GAIN, TURN_GAIN = 0.20, 0.15
 foot is put down for the speed of the moment, and left behind when the body speeds up over it."""
 HALF_WIDTH = 0.1308
 """m: from the middle to the feet of one side."""
-CROUCH_DROP = 0.05
+WALKING_CROUCH = 0.05
 """m: how far crouch 1 lowers a walking trunk (0.27 to 0.22 m)."""
 
 SWAY_Y, SWAY_X = 0.055, 0.025
@@ -63,6 +63,9 @@ _SWAY_CENTRE = 0.48  # phase in the middle of the swings of RR and FR: the body 
 _THIRD = -0.25  # share of the third harmonic: flattens the wave while feet swing
 _HEIGHT_OVER_G = 0.26 / a1.GRAVITY
 
+
+MARCH_CADENCES = (1.5, 1.7, 1.9, 2.1, 2.3)
+"""Strides a second among which somebody chooses who is asked for a speed."""
 
 REST_PHASE = 0.49
 """Phase (and half a stride on) at which every foot stands, at any cadence."""
@@ -182,3 +185,12 @@ def sway(phase: ArrayLike, cadence: ArrayLike, tempo: ArrayLike) -> Array:
     along = np.sin(2.0 * (turn + 0.5 * np.pi)) / (1.0 + 4.0 * lag)
     still = 1.0 - trot_share(tempo)
     return np.stack([FORWARD + still * SWAY_X * along, still * SWAY_Y * side], axis=-1)
+
+
+def slowest_cadence(speed: float, lift: float, turn: float = 0.0) -> float:
+    """The slowest of MARCH_CADENCES at which a march of this lift reaches a speed (m/s) while it
+    turns (rad/s); the quickest where none does."""
+    for cadence in MARCH_CADENCES:
+        if march_speed(cadence, lift, turn) >= speed:
+            return cadence
+    return MARCH_CADENCES[-1]

@@ -48,7 +48,7 @@ def label_motion(
         frame = geometry.heading_quat(base_quat)
     else:
         yaw = facing(state, feet[0], contact[0])
-        frame = np.broadcast_to(geometry.quat_from_rpy([0.0, 0.0, yaw]), base_quat.shape)
+        frame = np.broadcast_to(geometry.quat_from_yaw(yaw), base_quat.shape)
     turn = geometry.quat_mul(geometry.quat_conj(base_quat[back]), base_quat)
     ang_vel = geometry.quat_to_rotvec(turn) / span
     lin_vel = rate(base_pos)

@@ -7,9 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
+from studio.geometry import scalars
 from studio.reference.intent import StateName
 from studio.robot.a1 import CONTROL_DT
-from studio.robot.pose import ReferencePose
+from studio.robot.pose import ReferencePose, RobotPose
 
 Array = NDArray[np.float64]
 
@@ -89,3 +90,17 @@ def backward_difference(x: Array, dt: float) -> Array:
         out[1:] = np.diff(x, axis=0) / dt
         out[0] = out[1]
     return out
+
+
+def with_velocity(pose: RobotPose, previous: RobotPose, dt: float = CONTROL_DT) -> ReferencePose:
+    """The pose as a reference, its velocities by backward differences from `previous`."""
+    turned = scalars.mul(scalars.conj(previous.base_quat.tolist()), pose.base_quat.tolist())
+    return ReferencePose(
+        base_pos=pose.base_pos,
+        base_quat=pose.base_quat,
+        joint_pos=pose.joint_pos,
+        foot_contact=pose.foot_contact,
+        base_lin_vel_w=(pose.base_pos - previous.base_pos) / dt,
+        base_ang_vel_b=np.array(scalars.rotvec(turned)) / dt,
+        joint_vel=(pose.joint_pos - previous.joint_pos) / dt,
+    )

@@ -11,9 +11,9 @@ from studio import geometry
 from studio.reference import sitting, stances, standing, walking
 from studio.reference.contact import contact_label, contact_labels
 from studio.reference.intent import Intent, IntentTrack
-from studio.reference.motion import ReferenceMotion
+from studio.reference.motion import ReferenceMotion, with_velocity
 from studio.robot import a1, kinematics
-from studio.robot.pose import ReferencePose
+from studio.robot.pose import ReferencePose, RobotPose
 
 Array = NDArray[np.float64]
 
@@ -71,21 +71,11 @@ class Realizer:
         base, quat, joints = (v[0] for v in self._pose(intent))
         feet = kinematics.foot_pos_w(base, quat, joints)
         last, last_feet = self._last, self._feet
-        if last is None or last_feet is None:
-            speed, rates = np.zeros(4), {}
-        else:
-            speed = np.linalg.norm(feet - last_feet, axis=-1) / self.dt
-            turned = geometry.quat_mul(geometry.quat_conj(last.base_quat), quat)
-            rates = {
-                "base_lin_vel_w": (base - last.base_pos) / self.dt,
-                "base_ang_vel_b": geometry.quat_to_rotvec(turned) / self.dt,
-                "joint_vel": (joints - last.joint_pos) / self.dt,
-            }
-        contact = contact_label(feet[:, 2] - a1.FOOT_RADIUS, speed)
+        moved = np.zeros(4) if last_feet is None else np.linalg.norm(feet - last_feet, axis=-1)
+        contact = contact_label(feet[:, 2] - a1.FOOT_RADIUS, moved / self.dt)
         self._feet = feet
-        self._last = ReferencePose(
-            base_pos=base, base_quat=quat, joint_pos=joints, foot_contact=contact, **rates
-        )
+        now = RobotPose(base_pos=base, base_quat=quat, joint_pos=joints, foot_contact=contact)
+        self._last = with_velocity(now, last or now, self.dt)
         return self._last
 
     def _change(self, intent: Intent) -> None:
@@ -108,7 +98,7 @@ class Realizer:
             crouch = np.array([intent.crouch])
             base, quat, joints = standing.stand_poses(tilt, crouch, reach, side)
         x, y, yaw = self._place
-        turn = geometry.quat_from_rpy([0.0, 0.0, yaw])
+        turn = geometry.quat_from_yaw(yaw)
         base = geometry.quat_rotate(turn, base) + np.array([x, y, 0.0])
         return base, geometry.quat_mul(turn, quat), joints
 

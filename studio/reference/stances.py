@@ -105,8 +105,7 @@ def fit_plane(a: Array, b: Array) -> tuple[Array, float]:
     ca, cb = a.mean(axis=0), b.mean(axis=0)
     da, db = a - ca, b - cb
     yaw = math.atan2(np.sum(da[:, 0] * db[:, 1] - da[:, 1] * db[:, 0]), np.sum(da * db))
-    c, s = math.cos(yaw), math.sin(yaw)
-    return cb - np.array([c * ca[0] - s * ca[1], s * ca[0] + c * ca[1]]), yaw
+    return cb - geometry.turn_xy(ca, yaw), yaw
 
 
 def tilted(state: StateName, tilt: ArrayLike) -> Array:

@@ -7,7 +7,7 @@ from studio.reference.intent import IntentTrack
 from studio.reference.marching import Bout, march_track
 from studio.reference.task import Task, amplitude, draw_cadence, draw_lift
 
-MAX_TURN = np.radians(15.0)
+MAX_TURN = float(np.radians(15.0))
 
 
 def _walk(rng: np.random.Generator, seconds: float, difficulty: float) -> IntentTrack:

@@ -10,6 +10,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from studio.geometry import scalars
 from studio.geometry.time_scaling import smoothstep
 from studio.reference import gait, stances
 from studio.reference.intent import Intent
@@ -125,7 +126,7 @@ class Walker:
         along, side = (active * gait.sway(intent.phase, cadence, self._tempo)).tolist()
         x, y = _ahead(self._x, self._y, self._yaw, (along, side))
         crouch = min(max(intent.crouch, 0.0), 1.0)
-        base = np.array([x, y, a1.STAND_HEIGHT - gait.CROUCH_DROP * crouch])
+        base = np.array([x, y, a1.STAND_HEIGHT - gait.WALKING_CROUCH * crouch])
         roll, pitch = np.clip(intent.tilt[:2], -TILT_LIMIT, TILT_LIMIT).tolist()
         feet = np.array(self._foot)
         feet[:, 2] += a1.FOOT_RADIUS
@@ -145,13 +146,11 @@ def _arc(
     x: float, y: float, yaw: float, way: tuple[float, float], turn: float, share: float
 ) -> tuple[float, float, float]:
     """The pose after a share of a stride of `way` (m, forward and left) and `turn` (rad)."""
-    middle = yaw + 0.5 * turn * share
-    c, s = math.cos(middle), math.sin(middle)
-    forward, left = way[0] * share, way[1] * share
-    return x + forward * c - left * s, y + forward * s + left * c, yaw + turn * share
+    dx, dy = scalars.turn_xy(way[0] * share, way[1] * share, yaw + 0.5 * turn * share)
+    return x + dx, y + dy, yaw + turn * share
 
 
 def _ahead(x: float, y: float, yaw: float, p: tuple[float, float]) -> tuple[float, float]:
     """The world's point of `p` in the frame at (x, y) with heading yaw."""
-    c, s = math.cos(yaw), math.sin(yaw)
-    return x + c * p[0] - s * p[1], y + s * p[0] + c * p[1]
+    dx, dy = scalars.turn_xy(*p, yaw)
+    return x + dx, y + dy

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from studio import geometry
 from studio.retarget.mapper import NUM_RATES, Mapped
+from studio.retarget.network import clipped_z, z_scores
 from studio.robot import a1, kinematics
 
 Array = NDArray[np.float64]
@@ -48,13 +49,6 @@ def unstack(rows: Array) -> Mapped:
         rates=rows[:, 16 : 16 + NUM_RATES],
         contact_prob=np.clip(rows[:, 16 + NUM_RATES :], 0.0, 1.0),
     )
-
-
-def z_scores(triplet: NDArray) -> tuple[Array, Array]:
-    """Mean and sigma (3F,) of triplets, sigmas floored as for the experts."""
-    std = triplet.std(axis=0).reshape(3, -1)
-    floor = 0.25 * np.median(std, axis=1, keepdims=True)
-    return triplet.mean(axis=0), np.maximum(std, floor).ravel()
 
 
 class NearestPair:
@@ -98,7 +92,7 @@ class Ridge:
         return unstack(self._inputs(triplet) @ self._weight)
 
     def _inputs(self, triplet: NDArray) -> Array:
-        z = np.clip((np.asarray(triplet, np.float64) - self._mean) / self._scale, -5.0, 5.0)
+        z = clipped_z(np.asarray(triplet, np.float64), self._mean, self._scale)
         return np.concatenate([z, np.ones((len(z), 1))], axis=1)
 
 

@@ -1,6 +1,5 @@
 """The experts, one a state, apart from their weights: how fast joints may go, how feet lock."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -19,8 +18,7 @@ class ExpertSpec:
     the same for the trunk: a little less than the joints of standing legs can follow, so that the
     clip of the joints does not tear locked feet off the floor. consistency: how feet lock.
     turn_gain: times the turns that a network says. turns: the trunk's
-    heading is carried by the feet (walking) instead of read off the person's twist. emphasis:
-    how much more of a task's motion to train on than of the others (default 1.0; 0: none).
+    heading is carried by the feet (walking) instead of read off the person's twist.
     """
 
     name: StateName
@@ -30,7 +28,6 @@ class ExpertSpec:
     consistency: ContactConfig = field(default_factory=ContactConfig)
     turn_gain: float = 1.0
     turns: bool = False
-    emphasis: Mapping[str, float] = field(default_factory=dict)
 
 
 STAND = ExpertSpec(

@@ -10,6 +10,7 @@ from studio.geometry import scalars
 from studio.reference.consistency import limit_speed, limit_turn
 from studio.reference.contact_lock import ContactConfig, ContactLock
 from studio.reference.intent import StateName
+from studio.reference.motion import with_velocity
 from studio.reference.stances import NEUTRAL, quickness
 from studio.reference.tasks_walk import MAX_TURN
 from studio.retarget.experts import EXPERTS
@@ -23,9 +24,9 @@ Array = NDArray[np.float64]
 
 TURN_TAU = 0.8
 """s, low-pass of the turning rate while walking: a march sways the trunk at every step."""
-TURN_DEAD_ZONE, TURN_MAX = math.radians(4.0), float(MAX_TURN)
+TURN_DEAD_ZONE = math.radians(4.0)
 """rad/s: slower turns are nobody's wish (without this a real march, trunk a few degrees to the
-left, veered by 46 degrees in 9 s); the fastest is the library's."""
+left, veered by 46 degrees in 9 s)."""
 
 
 AS_PLANNED = ContactConfig()
@@ -86,8 +87,7 @@ class FootholdPlanner:
                 self._yaw += mapped.turn * dt
             gain = self.stride_gain if felt else 1.0
             joint_pos = cap_stride(joint_pos, math.hypot(vx, vy), self.settings, gain)
-        c, s = math.cos(self._yaw), math.sin(self._yaw)
-        drift = np.array([c * vx - s * vy, s * vx + c * vy, 0.0])
+        drift = np.array([*scalars.turn_xy(vx, vy, self._yaw), 0.0])
         wanted = np.array(scalars.mul(scalars.yaw(self._yaw), quat_s.tolist()))
         last, lock = self.last, self._lock
         lock.config = spec.consistency if felt else AS_PLANNED
@@ -99,25 +99,19 @@ class FootholdPlanner:
         joint_pos, clipped = limit_speed(asked, last.joint_pos, quick * spec.speed_limit, dt)
         if clipped:
             lock.recheck(joint_pos, quat)
-        spun = scalars.rotvec(scalars.mul(scalars.conj(last.base_quat.tolist()), quat.tolist()))
         # The labels agree with what is done: a foot held through the hysteresis is a contact.
         labels = np.where(lock.locked, np.maximum(contact, 0.51), np.minimum(contact, 0.49))
-        self.last = ReferencePose(
-            base_pos=lock.base_pos,
-            base_quat=quat,
-            joint_pos=joint_pos,
-            foot_contact=labels,
-            base_lin_vel_w=(lock.base_pos - last.base_pos) / dt,
-            base_ang_vel_b=np.array(spun) / dt,
-            joint_vel=(joint_pos - last.joint_pos) / dt,
+        now = RobotPose(
+            base_pos=lock.base_pos, base_quat=quat, joint_pos=joint_pos, foot_contact=labels
         )
+        self.last = with_velocity(now, last, dt)
         return self.last, clipped or turned
 
     def _steer(self, quat_s: Array, ang_vel_b: Array, dt: float) -> None:
         rate = float(scalars.matrix(quat_s.tolist())[2] @ ang_vel_b)
         self._turn += (rate - self._turn) * min(1.0, dt / TURN_TAU)
-        beyond = min(abs(self._turn), TURN_MAX) - TURN_DEAD_ZONE
-        gain = TURN_MAX / (TURN_MAX - TURN_DEAD_ZONE)
+        beyond = min(abs(self._turn), MAX_TURN) - TURN_DEAD_ZONE
+        gain = MAX_TURN / (MAX_TURN - TURN_DEAD_ZONE)
         self._yaw += math.copysign(max(0.0, beyond) * gain, self._turn) * dt
 
     @property

@@ -17,14 +17,12 @@ from numpy.typing import NDArray
 
 from studio import geometry
 from studio.geometry import scalars
-from studio.retarget.network import Mlp
+from studio.retarget.network import Mlp, clipped_z
 from studio.robot import a1
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
 
-INPUT_CLIP = np.float32(5.0)
-"""Normalised inputs are cut off here: one wild joint must not throw every output."""
 JOINT_MID = 0.5 * (a1.JOINT_UPPER + a1.JOINT_LOWER)
 JOINT_HALF = 0.5 * (a1.JOINT_UPPER - a1.JOINT_LOWER)
 
@@ -106,8 +104,7 @@ class Mapper:
 
     def normalize(self, triplet: NDArray) -> Array32:
         """Network inputs (..., 3F) of triplets (..., 3F), cut off at INPUT_CLIP sigmas."""
-        x = (np.asarray(triplet, np.float32) - self.mean) / self.scale
-        return np.minimum(np.maximum(x, -INPUT_CLIP), INPUT_CLIP)
+        return clipped_z(np.asarray(triplet, np.float32), self.mean, self.scale)
 
     @property
     def remembers(self) -> bool:

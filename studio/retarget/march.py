@@ -36,7 +36,6 @@ YAW_GAIN, YAW_DEAD = 0.7, math.radians(5.0)
 without a dead zone fitted best, erring by 1.9 deg/s: people twist by 1.4 to 3 rad a rad/s."""
 LEAN_GAIN, LEAN_DEAD = 1.0, math.radians(7.0)
 """The same for sideways lean."""
-TURN_MAX = float(MAX_TURN)
 PATIENCE = 1.6
 """Half strides without a step after which nobody marches any more."""
 
@@ -70,7 +69,7 @@ def turn_of(yaw: float, lean: float) -> float:
     """rad/s meant by a trunk turned by `yaw` and leant sideways by `lean` rad, both > 0 left."""
     by_yaw, by_lean = YAW_GAIN * _beyond(yaw, YAW_DEAD), LEAN_GAIN * _beyond(lean, LEAN_DEAD)
     turn = by_yaw if abs(by_yaw) >= abs(by_lean) else by_lean
-    return min(max(turn, -TURN_MAX), TURN_MAX)
+    return min(max(turn, -MAX_TURN), MAX_TURN)
 
 
 def trunk_of(q: Array) -> tuple[float, float]:

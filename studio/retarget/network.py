@@ -1,4 +1,5 @@
-"""Small multi-layer perceptrons in plain numpy: weights from safetensors, one row in, one out."""
+"""Small multi-layer perceptrons in plain numpy: weights from safetensors, one row in, one out; and
+what they, and whatever is compared with them, are given: z-scores of triplets, cut off."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -11,6 +12,26 @@ from studio.errors import StudioError
 Array32 = NDArray[np.float32]
 LEAK = np.float32(0.01)
 """Slope of the leaky ReLU below zero; the torch twin in `studio.training` uses the same."""
+
+
+INPUT_CLIP = np.float32(5.0)
+"""Sigmas beyond which an input says no more."""
+
+
+def z_scores(triplet: NDArray) -> tuple[NDArray, NDArray]:
+    """Mean and sigma (3F,) of triplets (N, 3F).
+
+    A joint that hardly moves in training must not shout when somebody moves it a little: sigmas are
+    floored at a share of the typical one of their block (q, q̇ or q̈).
+    """
+    std = triplet.std(axis=0).reshape(3, -1)
+    floor = 0.25 * np.median(std, axis=1, keepdims=True)
+    return triplet.mean(axis=0), np.maximum(std, floor).ravel()
+
+
+def clipped_z(triplet: NDArray, mean: NDArray, scale: NDArray) -> NDArray:
+    """Triplets (..., 3F) in sigmas from a mean, cut off at INPUT_CLIP."""
+    return np.minimum(np.maximum((triplet - mean) / scale, -INPUT_CLIP), INPUT_CLIP)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,14 +8,13 @@ from numpy.typing import NDArray
 
 from studio.errors import unknown_name
 from studio.retarget.experts import EXPERTS
+from studio.retarget.network import clipped_z
 
 Array = NDArray[np.float64]
 Array32 = NDArray[np.float32]
 
 NAMES: tuple[str, ...] = tuple(EXPERTS)
 UNKNOWN = "unknown"
-CLIP = np.float32(5.0)
-"""z-scores are cut off here."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,8 +77,7 @@ class Prototypes:
 
     def embed(self, triplet: NDArray) -> Array32:
         """Triplets (..., 3F) in the metric's space (..., D)."""
-        z = (np.asarray(triplet, np.float32) - self.mean) / self.scale
-        return np.minimum(np.maximum(z, -CLIP), CLIP) @ self.project
+        return clipped_z(np.asarray(triplet, np.float32), self.mean, self.scale) @ self.project
 
     def nearest(self, point: Array32, k: int) -> tuple[NDArray[np.int64], Array32]:
         """Labels and distances (k,) of the k prototypes nearest to an embedded point (D,)."""

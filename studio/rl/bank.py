@@ -12,6 +12,7 @@ from studio import geometry
 from studio.control.observation_frame import heading_of, level_quat, reference_frame
 from studio.errors import StudioError
 from studio.reference.intent import StateName
+from studio.reference.library import TASKS, task_names
 from studio.reference.motion import ReferenceMotion, backward_difference
 from studio.reference.tasks_travel import TRAVEL
 from studio.rl.curriculum import DIFFICULTIES, Stage
@@ -99,9 +100,8 @@ def heading_feet(joint_pos: Array, base_quat: Array, yaw: Array) -> Array:
     joint_pos (…, 12) rad, base_quat (…, 4) in the world.
     """
     rel = kinematics.to_world(np.zeros(3), base_quat, kinematics.foot_pos_b(joint_pos))
-    c, s = np.cos(yaw)[..., None], np.sin(yaw)[..., None]
-    x, y = rel[..., 0], rel[..., 1]
-    return np.stack([c * x + s * y, -s * x + c * y, rel[..., 2]], axis=-1)
+    turned = geometry.turn_xy(rel, -np.asarray(yaw)[..., None])
+    return np.concatenate([turned, rel[..., 2:]], axis=-1)
 
 
 def assemble(
@@ -139,13 +139,6 @@ def assemble(
         difficulty=np.asarray(difficulty, dtype=np.float64),
         leg_contact=state == "sit",
     )
-
-
-def task_names(state: StateName) -> tuple[str, ...]:
-    """The library's tasks of one state, in its own order: the curriculum's first axis."""
-    from studio.reference.library import TASKS
-
-    return tuple(name for name, task in TASKS.items() if task.state == state)
 
 
 def build_bank(
@@ -190,7 +183,6 @@ def _motion(
     name: str, state: StateName, rng: np.random.Generator, seconds: float, difficulty: float
 ) -> ReferenceMotion:
     """One motion of a library task, or of a transition into the state."""
-    from studio.reference.library import TASKS
     from studio.reference.realize import realize
 
     if name == TRAVEL.name:

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from studio.files import fingerprint, whole
 from studio.reference.intent import StateName
-from studio.rl.bank import MotionBank, build_bank, task_names
+from studio.reference.library import task_names
+from studio.rl.bank import MotionBank, build_bank
 
 DRAWN_BY = (
     "geometry", "rhythm", "timing", "reference", "robot", "control", "rl/bank", "rl/transitions",

@@ -61,22 +61,18 @@ class TrackingRobots:
         """(n, PRIVILEGED_DIM): what only a critic may know, of robots `ids`."""
         w, bank = self.world, self.bank
         motion, frame, yaw = self.motion[ids], self.frame[ids], self.yaw_of(ids)
-        c, s = np.cos(yaw), np.sin(yaw)
         v, pos = w.base_lin_vel_w[ids], w.base_pos[ids]
-        forward = np.stack([c * v[:, 0] + s * v[:, 1], -s * v[:, 0] + c * v[:, 1], v[:, 2]], -1)
         soon = np.minimum(frame + 3, bank.frames - 1)
         reference = bank.joint_pos[motion, frame]
         ahead = bank.joint_pos[motion, soon] - reference
         feature = bank.feature[motion, frame]
         later = bank.feature[motion, soon]
         gap = self.anchor_pos[ids] - pos[:, :2]
-        local = np.stack([c * gap[:, 0] + s * gap[:, 1], -s * gap[:, 0] + c * gap[:, 1]], -1)
-        a = w.slope_axis[ids]
-        slope = np.stack([c * a[:, 0] + s * a[:, 1], -s * a[:, 0] + c * a[:, 1]], -1)
         parts = [
-            forward,
+            geometry.turn_xy(v, -yaw),
+            v[:, 2:],
             pos[:, 2:3],
-            local,
+            geometry.turn_xy(gap, -yaw),
             geometry.wrap_angle(self.anchor_yaw[ids] - yaw)[:, None],
             reference - w.joint_pos[ids],
             ahead,
@@ -86,16 +82,15 @@ class TrackingRobots:
             bank.contact[motion, soon],
             w.dynamics_factors[ids],
             w.delay[ids, None] * 60.0,
-            10.0 * slope,
+            10.0 * geometry.turn_xy(w.slope_axis[ids], -yaw),
         ]
         return np.concatenate(parts, axis=1, dtype=np.float32)
 
     def _advance_anchor(self) -> None:
         """Move the anchored reference by the reference's own velocity of this period."""
-        yaw_rate, forward, left = self.bank.feature[self.motion, self.frame][:, 15:18].T
-        self.anchor_yaw = self.anchor_yaw + yaw_rate * a1.CONTROL_DT
-        c, s = np.cos(self.anchor_yaw), np.sin(self.anchor_yaw)
-        move = np.stack([c * forward - s * left, s * forward + c * left], axis=-1)
+        rates = self.bank.feature[self.motion, self.frame][:, 15:18]
+        self.anchor_yaw = self.anchor_yaw + rates[:, 0] * a1.CONTROL_DT
+        move = geometry.turn_xy(rates[:, 1:], self.anchor_yaw)
         self.anchor_pos = self.anchor_pos + move * a1.CONTROL_DT
 
     def _measure(self) -> Array:
@@ -111,8 +106,7 @@ class TrackingRobots:
         ref_joint = bank.joint_pos[m, f]
         feet = heading_feet(w.joint_pos, quat, yaw)
         turn = self.anchor_yaw - bank.yaw[m, f]
-        half = np.stack([np.cos(turn / 2), 0 * turn, 0 * turn, np.sin(turn / 2)], axis=-1)
-        anchored = geometry.quat_mul(half, ref_quat)
+        anchored = geometry.quat_mul(geometry.quat_from_yaw(turn), ref_quat)
         root = np.concatenate([self.anchor_pos, bank.base_pos[m, f][:, 2:]], axis=1)
         distance = self._off_support(feet, yaw)
         self.terms = {
@@ -127,15 +121,13 @@ class TrackingRobots:
         tilt = metrics.orientation_error(quat, ref_quat)
         foot_error = metrics.feet_apart(feet, bank.feet[m, f])
         v, ref = w.base_lin_vel_w, bank.feature[m, f]
-        cy, sy = np.cos(yaw), np.sin(yaw)
-        dv = np.stack([cy * v[:, 0] + sy * v[:, 1], -sy * v[:, 0] + cy * v[:, 1]], -1)
         rate = geometry.quat_rotate(quat, w.base_ang_vel_b)[:, 2]
         self.metrics = {
             "joint_sq": metrics.joint_error_sq(w.joint_pos, ref_joint),
             "foot_error": foot_error,
             "tilt_error": tilt,
             "height_error": np.abs(w.base_pos[:, 2] - bank.base_pos[m, f][:, 2]),
-            "velocity_error": np.linalg.norm(dv - ref[:, 16:18], axis=-1),
+            "velocity_error": np.linalg.norm(geometry.turn_xy(v, -yaw) - ref[:, 16:18], axis=-1),
             "yaw_rate_error": np.abs(rate - ref[:, 15]),
             "tracked": metrics.tracked(foot_error, tilt).astype(float),
         }

@@ -8,7 +8,7 @@ import numpy as np
 
 from studio.control.state_machine import StateMachine
 from studio.reference.intent import IntentTrack, StateName
-from studio.reference.library import TASKS
+from studio.reference.library import TASKS, task_names
 from studio.reference.motion import ReferenceMotion
 from studio.reference.realize import Realizer
 from studio.robot import a1
@@ -63,8 +63,7 @@ def transition_motion(
 def _draw(
     state: StateName, rng: np.random.Generator, seconds: float, difficulty: float
 ) -> IntentTrack:
-    names = [name for name, task in TASKS.items() if task.state == state]
-    return TASKS[str(rng.choice(names))].sample(rng, seconds, difficulty)
+    return TASKS[str(rng.choice(task_names(state)))].sample(rng, seconds, difficulty)
 
 
 class _Actor:

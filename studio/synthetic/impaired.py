@@ -151,9 +151,7 @@ def sent_by(sensor: str, source: str, seed: int, style: str = "march") -> Impair
 def walking(speed: float, turn: float) -> Intent:
     """What somebody means who wants this speed (m/s) and turn (rad/s): the slowest pace that has
     it within its steps."""
-    for cadence in (1.5, 1.7, 1.9, 2.1, 2.3):
-        if gait.march_speed(cadence, 0.8, turn) >= speed:
-            break
+    cadence = gait.slowest_cadence(speed, 0.8, turn)
     lift = max(float(gait.march_lift(cadence, speed)), 0.2)
     return Intent(
         state="walk", task="walking", speed=speed, turn=turn, cadence=cadence, lift=min(lift, 1.0)

@@ -59,7 +59,7 @@ class Travelling(Source):
         self._t = t
         if pose is None:
             return None
-        turn = geometry.quat_from_rpy([0.0, 0.0, self._yaw])
+        turn = geometry.quat_from_yaw(self._yaw)
         joints = geometry.quat_rotate(turn, pose.joint_pos_w)
         joints[:, :2] += self._place
         return replace(pose, joint_pos_w=joints)

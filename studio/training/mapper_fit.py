@@ -1,7 +1,7 @@
 """Pairs in, one expert's network out: the gradient steps, resumable, and what the result is worth.
 
-Where the pairs come from and where the weights go is `mapper` (synthetic operators) and `collected`
-(takes).
+Where the pairs come from and where the weights go is `train_mapper` (synthetic operators) and
+`collected` (takes).
 """
 
 import json
@@ -20,6 +20,7 @@ from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
 from studio.retarget.baselines import FrameMapper
 from studio.retarget.mapper import RATES
+from studio.retarget.network import z_scores
 from studio.training import checkpoint
 from studio.training.losses import OURS, LossWeights, Motion, mapper_loss
 from studio.training.mapper_net import MapperNet
@@ -58,14 +59,8 @@ class MapperTraining:
 
 def new_net(state: StateName, pairs: PairSet, config: MapperTraining) -> MapperNet:
     """An untrained expert with the normaliser of its pairs."""
-    std = pairs.triplet.std(axis=0)
-    # A joint that hardly moves in training must not shout when somebody moves it a little: the
-    # floor is a share of the typical spread of its block (q, q' or q'').
-    blocks = std.reshape(3, -1)
-    floor = np.repeat(0.25 * np.median(blocks, axis=1), blocks.shape[1])
     return MapperNet(
-        pairs.triplet.mean(axis=0),
-        np.maximum(std, floor),
+        *z_scores(pairs.triplet),
         np.maximum(pairs.rates.std(axis=0), 1e-3),
         NEUTRAL[state].base_quat,
         hidden=config.hidden,

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from torch import Tensor, nn
 
 from studio.geometry import scalars
-from studio.retarget.mapper import INPUT_CLIP, JOINT_HALF, JOINT_MID, NUM_OUTPUTS, RATES
-from studio.retarget.network import LEAK
+from studio.retarget.mapper import JOINT_HALF, JOINT_MID, NUM_OUTPUTS, RATES
+from studio.retarget.network import INPUT_CLIP, LEAK
 from studio.training.losses import Motion
 
 

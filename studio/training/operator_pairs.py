@@ -17,10 +17,9 @@ from studio.human.features import clip_features, mirror_features
 from studio.human.pose import HumanClip
 from studio.reference.intent import IntentTrack, StateName
 from studio.reference.labels import label_motion, mirror_labels
-from studio.reference.library import TASKS
+from studio.reference.library import TASKS, task_names
 from studio.reference.motion import ReferenceMotion
 from studio.reference.realize import realize
-from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES
 from studio.synthetic import Person, exercise, play
 from studio.synthetic import signals as sig
@@ -94,12 +93,10 @@ def performances(
     quarter as many, an expert erred twice as much on new people as on those it knew.
     family: see `Person.sample`.
     """
-    tasks = [name for name, task in TASKS.items() if task.state == state]
-    emphasis = EXPERTS[state].emphasis
-    weight = np.array([emphasis.get(name, 1.0) for name in tasks])
+    tasks = task_names(state)
     done = 0.0
     while done < seconds:
-        name = str(rng.choice(tasks, p=weight / weight.sum()))
+        name = str(rng.choice(tasks, p=np.full(len(tasks), 1.0 / len(tasks))))
         if state == "stand" and rng.random() < EXERCISE_SHARE:
             track = exercise(rng, clip_seconds)
         else:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from studio.human.calibration import Calibration, calibrate
 from studio.human.features import clip_features
 from studio.human.skeleton import INDEX
-from studio.reference.library import TASKS
+from studio.reference.library import TASKS, task_names
 from studio.retarget.selector import NAMES, SELECTOR_CUTOFF_HZ, TripletFilter
 from studio.synthetic import Performance, Person, exercise, play, squats
 from studio.synthetic import signals as sig
@@ -27,8 +27,8 @@ STAND, WALK, SIT = range(len(NAMES))
 UNLABELLED = -1
 SIT_KNEE, STAND_KNEE = np.radians(85.0), np.radians(72.0)
 """Both knees flexed beyond the first: sitting; neither beyond the second: standing."""
-FOOT_UP = 0.05
-"""m: an ankle this far above where it stands is lifted."""
+APART = 0.05
+"""m: an ankle this much higher above where it stands than the other is lifted."""
 STEP_GAP = 0.55
 """s: a march goes on between lifts no longer apart than twice this; then it is a stand."""
 MARCHERS = 6
@@ -110,8 +110,8 @@ def _part(kind: str, seconds: float, rng: np.random.Generator) -> Array:
         return squats(rng, seconds)
     if kind == "exercise":
         return sig.of_track(exercise(rng, seconds))
-    tasks = [name for name, task in TASKS.items() if task.state == kind]
-    track = TASKS[str(rng.choice(tasks))].sample(rng, seconds, float(rng.uniform(0.3, 1.0)))
+    task = TASKS[str(rng.choice(task_names(kind)))]
+    track = task.sample(rng, seconds, float(rng.uniform(0.3, 1.0)))
     return sig.of_track(track)
 
 
@@ -147,7 +147,7 @@ def labels(true_pos_w: Array) -> NDArray[np.int64]:
     ankles = true_pos_w[:, [INDEX["l_ankle"], INDEX["r_ankle"]], 2]
     high = ankles - np.percentile(ankles, 5, axis=0)
     # Both heels up is a squat on tiptoe; one foot up is a step.
-    up = np.abs(high[:, 0] - high[:, 1]) > FOOT_UP
+    up = np.abs(high[:, 0] - high[:, 1]) > APART
     before, after = _since(up), _since(up[::-1])[::-1]
     stepping = (before < STEP_GAP) & (after < STEP_GAP)
     quiet = (before > STEP_GAP) & (after > STEP_GAP)

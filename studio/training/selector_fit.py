@@ -12,6 +12,7 @@ import torch
 from numpy.typing import NDArray
 
 from studio.human.features import mirror_features
+from studio.retarget.network import clipped_z, z_scores
 from studio.retarget.selector import NAMES, Prototypes, SelectorConfig
 from studio.training.selector_data import Frames, sequences
 
@@ -63,9 +64,7 @@ def fit_prototypes(frames: Frames, seed: int) -> Prototypes:
     """Metric and prototypes of frames; every fifth person is kept back for the p99 distance."""
     back = frames.person % 5 == 4
     known, new = frames.take(~back), frames.take(back)
-    std = known.triplet.std(axis=0).reshape(3, -1)
-    floor = 0.25 * np.median(std, axis=1, keepdims=True)
-    mean, scale = known.triplet.mean(axis=0), np.maximum(std, floor).ravel()
+    mean, scale = z_scores(known.triplet)
     project = learn_metric(known, mean, scale, seed)
     rng = np.random.default_rng([seed, 79])
     rows = np.concatenate(
@@ -97,8 +96,8 @@ def learn_metric(frames: Frames, mean: Array, scale: Array, seed: int) -> Array:
     same state, over pairs of different people, half of them mirrored.
     """
     rng, generator = np.random.default_rng([seed, 80]), torch.Generator().manual_seed(seed)
-    z = np.clip((frames.triplet - mean) / scale, -5.0, 5.0).astype(np.float32)
-    m = np.clip((mirror_features(frames.triplet) - mean) / scale, -5.0, 5.0).astype(np.float32)
+    z = clipped_z(frames.triplet, mean, scale).astype(np.float32)
+    m = clipped_z(mirror_features(frames.triplet), mean, scale).astype(np.float32)
     classes = [np.flatnonzero(frames.label == c) for c in range(len(NAMES))]
     within = sum(np.cov((z[rows] - z[rows].mean(0)).T) for rows in classes) / len(classes)
     power, axes = np.linalg.eigh(within + np.eye(z.shape[1]))

@@ -15,12 +15,12 @@ from studio.control.controllers import (
     default_controller,
     open_controller,
 )
-from studio.control.footing import with_velocity
 from studio.control.observation import ObservationConfig
 from studio.control.observation_frame import level_quat
 from studio.control.policy import MODELS, Policy, manifest_of, save_policy
 from studio.errors import StudioError
 from studio.reference.intent import STATES, StateName
+from studio.reference.motion import with_velocity
 from studio.reference.stances import NEUTRAL
 from studio.robot.pose import ReferencePose, RobotState
 from studio.sim.world import World

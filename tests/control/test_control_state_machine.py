@@ -8,7 +8,7 @@ import pytest
 
 from studio import geometry, metrics
 from studio.control.drive_command import Directive
-from studio.control.footing import facing, feet_w, placed, solve, with_velocity
+from studio.control.footing import facing, feet_w, placed, solve
 from studio.control.interpolation import (
     MAX_JOINT_SPEED,
     least_seconds,
@@ -19,6 +19,7 @@ from studio.control.state_machine import StateMachine
 from studio.control.transition import MAX_SECONDS, MIN_SECONDS, plan, settle
 from studio.geometry.time_scaling import minimum_jerk
 from studio.reference.library import TASKS
+from studio.reference.motion import with_velocity
 from studio.reference.realize import realize
 from studio.reference.stances import NEUTRAL, fit_plane
 from studio.robot import a1

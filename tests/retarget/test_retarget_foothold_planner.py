@@ -7,8 +7,9 @@ import pytest
 
 from studio import geometry
 from studio.reference.stances import NEUTRAL, tilted
+from studio.reference.tasks_walk import MAX_TURN
 from studio.retarget.experts import EXPERTS
-from studio.retarget.foothold_planner import TURN_MAX, FootholdPlanner
+from studio.retarget.foothold_planner import FootholdPlanner
 from studio.retarget.mapper import NUM_RATES, RATES, Mapped
 from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
 from studio.robot import a1, kinematics
@@ -96,7 +97,7 @@ def test_turning_is_never_faster_than_the_library_turns():
     rates[RATES["base_ang_vel"]] = [0.0, 0.0, 3.0]
     for _ in range(90):
         pose, _ = planner.step(resting("walk", rates=rates, contact_prob=np.zeros(4)), DT)
-    assert geometry.heading(pose.base_quat) <= 3.0 * TURN_MAX + 1e-6
+    assert geometry.heading(pose.base_quat) <= 3.0 * MAX_TURN + 1e-6
 
 
 def test_going_on_from_elsewhere_keeps_place_and_heading():

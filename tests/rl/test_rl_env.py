@@ -9,9 +9,9 @@ import pytest
 from studio import geometry
 from studio.control.observation import ObservationConfig
 from studio.control.policy import Policy, manifest_of
-from studio.reference.library import TASKS
+from studio.reference.library import TASKS, task_names
 from studio.reference.realize import realize
-from studio.rl.bank import MotionBank, build_bank, task_names, warp
+from studio.rl.bank import MotionBank, build_bank, warp
 from studio.rl.curriculum import Curriculum, Stage, stages
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig

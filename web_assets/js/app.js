@@ -111,12 +111,8 @@ const guide = new Guide({
 $("#guide-again").addEventListener("click", guide.begin);
 const view = new View({
   listen: (target) => keyboard.listen(target),
-  ready: () => {
-    $("#veil").classList.add("gone");
-    collect.soon();
-  },
+  ready: () => $("#veil").classList.add("gone"),
   drag: drops.drag,
-  newest: () => studio.tick,
 });
 /** @type {FilmButton} */
 const film = new FilmButton(studio, view);
@@ -195,7 +191,7 @@ ticks((tick) => {
   scenes.add(tick);
   studio.stillness.add(tick, studio.lastTick);
   controls.drawVotes(tick);
-  const captions = captionsOf(tick, studio.state);
+  const captions = captionsOf(tick, studio.state?.source ?? "operator");
   view.caption(captions);
   text($("#state-now"), captions.reference[1]);
   drawMeaning(tick);

@@ -58,9 +58,7 @@ def human_side(joint_pos: Array) -> HumanSide:
     """Of joints (T, 19, 3) m in any heading."""
     x = joint_pos - joint_pos[:, :1]
     side = np.median(x[:, INDEX["l_hip"]] - x[:, INDEX["r_hip"]], axis=0)
-    x = geometry.quat_rotate_inverse(
-        geometry.quat_from_rpy([0.0, 0.0, np.arctan2(-side[0], side[1])]), x
-    )
+    x = geometry.quat_rotate_inverse(geometry.quat_from_yaw(np.arctan2(-side[0], side[1])), x)
     height = -x[:, [INDEX["l_ankle"], INDEX["r_ankle"]], 2].min(axis=1)
     pose = np.concatenate([x[:, 1:].reshape(len(x), -1), height[:, None]], axis=1)
     return HumanSide(channels=human_channels(joint_pos), pose=pose)

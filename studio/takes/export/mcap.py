@@ -32,7 +32,7 @@ FIGURES = {
 }
 """Frame of each figure: m to the left of the world's origin, so that they stand side by side, and
 its colour."""
-BONES = [[p, i] for i, p in enumerate(PARENTS) if p >= 0]
+BONE_ENDS = [[p, i] for i, p in enumerate(PARENTS) if p >= 0]
 ROBOT_LINES = [[1, 4], [4, 10], [10, 7], [7, 1]] + [
     pair
     for leg in range(4)
@@ -115,7 +115,7 @@ class _Figures:
                     _transform(frames, time, who, f"{who}/{link}", p, q)
                 points, bones = self._points[who][n], ROBOT_LINES
             elif tick.human is not None:
-                points, bones = tick.human.joint_pos_w, BONES
+                points, bones = tick.human.joint_pos_w, BONE_ENDS
             else:
                 continue
             _lines(scene, time, who, points, bones, color)
@@ -154,4 +154,4 @@ def _dots(time: int, who: str, points: Array, bones) -> bytes:
     return cloud.SerializeToString()
 
 
-assert len(BONES) + 1 == NUM_JOINTS, "every joint but the root hangs on one bone"
+assert len(BONE_ENDS) + 1 == NUM_JOINTS, "every joint but the root hangs on one bone"
