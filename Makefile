@@ -10,7 +10,7 @@ NPM_CI := npm --prefix $(WEB) ci --ignore-scripts --no-audit --no-fund --logleve
 BROWSER_STAMP := $(VENV)/.browser-stamp
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup run test test-long test-quick check format schema vendor bench pictures browser clean
+.PHONY: setup run test test-long test-quick safety check format schema vendor bench pictures browser clean
 
 setup: $(STAMP) vendor
 
@@ -60,6 +60,10 @@ test-quick: setup
 # The API's schema, from which the page's types are made.
 schema: setup
 	$(BIN)/a1-studio openapi --json build/openapi.json
+
+# The page of the safety table.
+safety: setup
+	$(BIN)/python -m studio.live.safety_table > docs/safety.md
 
 check: setup schema $(NODE_STAMP)
 	$(BIN)/ruff format --check .
