@@ -231,7 +231,7 @@ def test_row_ended(tmp_path):
     frames = tmp_path / "a.jsonl"
     person = OperatorSource("walk", seed=3)
     poses = [person.read(k / 30.0) for k in range(150)]
-    frames.write_text("\n".join(json.dumps(object_of(pose)) for pose in poses))
+    frames.write_text("\n".join(json.dumps(object_of(pose)) for pose in poses if pose))
     studio = Studio(tmp_path / "sessions", spec=f"frames:{frames}")
     while not studio.loop.runtime.reader.ended:
         studio.period()
