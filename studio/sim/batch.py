@@ -4,7 +4,7 @@ Physics is `mujoco.batch`: one model, per-simulation masses, gains, friction and
 inside MuJoCo as affine actuators, so that a control period is a single call without Python.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from studio import geometry
 from studio.robot import a1
 from studio.sim import randomize
+from studio.sim.motors import MotorModel
 from studio.sim.spec import ModelConfig, build_spec
 
 Array = NDArray[np.float64]
@@ -24,8 +25,8 @@ class BatchConfig:
     """num_envs: simulations. threads: 0 for every core. decimation: physics steps a period.
 
     self_collision, leg_contact: as in sim.spec; both cost time, and only sitting needs the legs.
-    free_speed, rad/s, speed_slope, N m s/rad: the motors' torque-speed curve, as in sim.world;
-    motor_every: physics steps between two looks at it.
+    motor: the torque-speed curve, as in sim.world; motor_every: physics steps between two looks at
+    it.
     """
 
     num_envs: int = 512
@@ -33,8 +34,7 @@ class BatchConfig:
     decimation: int = 8
     self_collision: bool = False
     leg_contact: bool = False
-    free_speed: float = 19.0
-    speed_slope: float = 3.0
+    motor: MotorModel = field(default_factory=MotorModel)
     motor_every: int = 1
 
 
@@ -148,12 +148,9 @@ class BatchWorld:
         self._batch.set_const(ids)
 
     def _set_motors(self, ids: NDArray[np.intp], drawn: randomize.Dynamics) -> None:
-        n = len(ids)
-        armature = np.full(n, a1.ARMATURE) if drawn.armature is None else drawn.armature
+        armature, damping, self._limit[ids] = drawn.motors()
         self._armature[ids, 6:] = armature[:, None]
-        self._damping[ids, 6:] = 0.0 if drawn.damping is None else drawn.damping[:, None]
-        strength = np.ones(n) if drawn.strength is None else drawn.strength
-        self._limit[ids] = strength[:, None] * a1.TORQUE_LIMIT
+        self._damping[ids, 6:] = damping[:, None]
         self._torque_range[ids, :, 0] = -self._limit[ids]
         self._torque_range[ids, :, 1] = self._limit[ids]
 
@@ -185,23 +182,16 @@ class BatchWorld:
     def _limit_torque(self) -> None:
         """Each motor's torque range at its present speed, held for `motor_every` substeps.
 
-        torque ≤ slope (free speed − q̇) forwards and the same backwards: beyond the free speed a
-        motor brakes. Only robots with a joint fast enough are touched; most never are.
+        Only robots with a joint fast enough are touched; most never are.
         """
-        c = self.config
-        fast = (
-            np.abs(self.joint_vel).max(axis=-1) > c.free_speed - self._limit.max() / c.speed_slope
-        )
+        motor = self.config.motor
+        fast = np.abs(self.joint_vel).max(axis=-1) > motor.full_below(self._limit)
         ids = np.flatnonzero(fast | self._slowed)
         self._slowed = fast
         if len(ids):
-            speed, limit = self.joint_vel[ids], self._limit[ids]
-            self._torque_range[ids, :, 0] = np.clip(
-                -c.speed_slope * (c.free_speed + speed), -limit, limit
-            )
-            self._torque_range[ids, :, 1] = np.clip(
-                c.speed_slope * (c.free_speed - speed), -limit, limit
-            )
+            limit = self._limit[ids]
+            for side, torque in enumerate(motor.torques(self.joint_vel[ids])):
+                self._torque_range[ids, :, side] = np.clip(torque, -limit, limit)
 
 
 def training_model(config: BatchConfig, dt: float) -> mujoco.MjModel:

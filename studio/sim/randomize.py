@@ -63,6 +63,17 @@ class Dynamics:
     def __len__(self) -> int:
         return len(self.friction)
 
+    def motors(self, nominal_armature: float = a1.ARMATURE) -> tuple[Array, Array, Array]:
+        """armature (N,) kg m^2, damping (N,) N m s/rad and torque limits (N, 12) N m: those drawn,
+        else the nominal robot's."""
+        n = len(self)
+        strength = np.ones(n) if self.strength is None else self.strength
+        return (
+            np.full(n, nominal_armature) if self.armature is None else self.armature,
+            np.zeros(n) if self.damping is None else self.damping,
+            strength[:, None] * a1.TORQUE_LIMIT,
+        )
+
 
 def draw(
     rng: np.random.Generator, num: int, num_links: int, scale: float = 1.0, ranges: Ranges = TABLE_I

@@ -12,6 +12,7 @@ from studio.errors import StudioError
 from studio.robot import a1, kinematics
 from studio.robot.pose import RobotPose, RobotState
 from studio.sim import randomize
+from studio.sim.motors import MotorModel
 from studio.sim.spec import ModelConfig, Prop, build_model
 
 Array = NDArray[np.float64]
@@ -30,17 +31,13 @@ class WorldConfig:
     """One robot's world.
 
     model: how it is built. damping_kd: joint damping of the damping mode, N m s/rad (Unitree's
-    soft stop: no stiffness, only damping). free_speed: where a motor has no torque left, rad/s; a
-    little under the limit of 21, as links drag each other along. speed_slope: how its torque falls
-    towards there, N m per rad/s (back-EMF): full below 8 rad/s. A free calf has 0.017 kg m^2: were
-    it steeper, one physics step at full torque would carry it past the limit. stop_rate: 1/s, a
-    joint nears its stop at no more than this times what is left to it.
+    soft stop: no stiffness, only damping). motor: its torque-speed curve. stop_rate: 1/s, a joint
+    nears its stop at no more than this times what is left to it.
     """
 
     model: ModelConfig = field(default_factory=ModelConfig)
     damping_kd: float = 4.0
-    free_speed: float = 19.0
-    speed_slope: float = 3.0
+    motor: MotorModel = field(default_factory=MotorModel)
     stop_rate: float = 25.0
 
 
@@ -68,6 +65,7 @@ class World:
         self._nominal = {name: np.array(getattr(self.model, name)) for name in _VARIED}
         self._kp, self._kd, self._delay = config.model.kp, config.model.kd, 0.0
         self._ground = geometry.IDENTITY_QUAT
+        self._full_below = config.motor.full_below(a1.TORQUE_LIMIT)
         self.damping = False
         self.state = self.reset()
 
@@ -88,6 +86,10 @@ class World:
         self._kp = self.config.model.kp * float(drawn.kp[0])
         self._kd = self.config.model.kd * float(drawn.kd[0])
         self._delay = float(drawn.delay[0])
+        armature, damping, limit = (x[0] for x in drawn.motors(self.config.model.armature))
+        model.dof_armature[6:18], model.dof_damping[6:18] = armature, damping
+        model.actuator_forcerange[:12] = np.stack([-limit, limit], axis=-1)
+        self._full_below = self.config.motor.full_below(limit)
         self._ground = geometry.quat_from_rotvec(np.append(drawn.slope_axis[0], 0.0))
         model.geom_quat[model.geom("floor").id] = self._ground
         mujoco.mj_setConst(model, self.data)
@@ -143,11 +145,10 @@ class World:
         data, late, self._target = self.data, self._target, target
         speed, torque = data.qvel[6:18], data.actuator_force
         peak, peak_size = np.zeros(12), np.zeros(12)
-        knee = self.config.free_speed - a1.TORQUE_LIMIT[0] / self.config.speed_slope
         for k in range(self.substeps):
             target = self._target if self._delay == 0.0 else self._after_delay(late, k)
             data.ctrl[:12] = target
-            if max(speed.max(), -speed.min()) > knee:
+            if max(speed.max(), -speed.min()) > self._full_below:
                 data.ctrl[:12] = self._within_motor_curve(target)
             self._substep()
             size = np.abs(torque[:12])
@@ -170,17 +171,15 @@ class World:
     def _within_motor_curve(self, target: Array) -> Array:
         """Targets whose torque stays under the motor's torque-speed curve at the present speed.
 
-        torque <= slope (free speed - qd) forwards, the same backwards, so that beyond it a motor
-        brakes; near a stop the free speed shrinks. Inverts torque = kp (target - q) - kd qd.
+        Near a stop the free speed shrinks. Inverts torque = kp (target - q) - kd qd.
         """
         if self.damping:
             return target
         q, qd = self.data.qpos[7:19], self.data.qvel[6:18]
         kp, kd = self._kp, self._kd
-        slope = self.config.speed_slope
-        free, rate = self.config.free_speed, self.config.stop_rate
-        upper = slope * (np.minimum(free, rate * (a1.JOINT_UPPER - q)) - qd)
-        lower = slope * (np.maximum(-free, rate * (a1.JOINT_LOWER - q)) - qd)
+        rate = self.config.stop_rate
+        back, ahead = rate * (q - a1.JOINT_LOWER), rate * (a1.JOINT_UPPER - q)
+        lower, upper = self.config.motor.torques(qd, back, ahead)
         rest = kd * qd
         target = np.minimum(target, q + (upper + rest) / kp)
         return np.maximum(target, q + (lower + rest) / kp)

@@ -9,6 +9,7 @@ from studio import geometry
 from studio.robot import a1
 from studio.sim import randomize
 from studio.sim.batch import BatchConfig, BatchWorld, delayed_controls
+from studio.sim.motors import MotorModel
 
 N = 4
 
@@ -193,7 +194,7 @@ def test_no_motor_pushes_a_joint_past_its_free_speed() -> None:
 
 def test_a_slow_joint_has_all_of_its_torque() -> None:
     world = make()
-    held = make(free_speed=1e3)  # no torque-speed curve within reach
+    held = make(motor=MotorModel(free_speed=1e3))  # no torque-speed curve within reach
     for _ in range(5):
         world.step(np.tile(a1.STAND_JOINT_POS, (N, 1)))
         held.step(np.tile(a1.STAND_JOINT_POS, (N, 1)))

@@ -1,6 +1,7 @@
 """One simulated A1: it stands and sits, keeps its limits, and refuses nonsense."""
 
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -226,8 +227,17 @@ def test_a_nominal_draw_changes_nothing():
     np.testing.assert_array_equal(moved(plain), moved(same))
 
 
-def test_drawn_dynamics_are_those_of_the_batch():
+@pytest.mark.parametrize(
+    "motors",
+    [
+        {},
+        {"armature": np.array([0.02]), "damping": np.array([0.4]), "strength": np.array([0.8])},
+        {"strength": np.array([0.2])},  # too weak to do what is asked
+    ],
+)
+def test_drawn_dynamics_are_those_of_the_batch(motors: dict):
     some = drawn(
+        **motors,
         mass=np.linspace(0.8, 1.2, 13)[None],
         friction=np.array([0.7]),
         kp=np.array([0.8]),
@@ -248,6 +258,11 @@ def test_drawn_dynamics_are_those_of_the_batch():
         np.testing.assert_allclose(one.joint_pos, batch.joint_pos[0], atol=2e-3)
     plain = moved(World())[-1]
     assert np.abs(one.joint_pos - plain).max() > 5e-3
+    if motors:
+        nominal = World()
+        nominal.set_dynamics(replace(some, armature=None, damping=None, strength=None))
+        nominal.reset()
+        assert np.abs(one.joint_pos - moved(nominal)[-1]).max() > 1e-3
 
 
 def test_on_a_slope_the_robot_stands_tilted_wherever_it_is_put():
