@@ -1,4 +1,4 @@
-"""The only crossings between threads: the latest value of something, and a bounded queue."""
+"""How the loop's thread and others meet: the latest value of something, and a bounded queue."""
 
 import threading
 from collections import deque

@@ -39,7 +39,7 @@ class PairSet:
     """N frames of one state: inputs and labels, all in the state's frame (see `retarget.mapper`).
 
     triplet (N, 3F), joint_pos (N, 12), base_quat (N, 4), rates (N, 36), contact (N, 4);
-    clip (N,): which performance a frame came from; foot_pos (N, 4, 3) and base_pos (N, 3), world.
+    clip (N,): which performance a frame came from; base_pos (N, 3), world.
     """
 
     triplet: Array32
