@@ -108,7 +108,9 @@ def _controller(case: Case, seed: int) -> Controller:
         walk = policies["walk"]
         policies["walk"] = walk.observing(replace(walk.observation, **gains))
         controller = PolicyController(policies)
-    return controller if case.dynamics == "nominal" else Sensed(controller, NoiseConfig(), seed)
+    return (
+        controller if case.dynamics == "nominal" else NoisySensors(controller, NoiseConfig(), seed)
+    )
 
 
 def _windows(rows: list[tuple[bool, float, Array]]) -> tuple[tuple[float, ...], tuple[float, ...]]:
@@ -126,7 +128,7 @@ def _windows(rows: list[tuple[bool, float, Array]]) -> tuple[tuple[float, ...], 
     return tuple(asked), tuple(made)
 
 
-class Sensed(Controller):
+class NoisySensors(Controller):
     """Wraps a controller: it sees the robot through sensors as cheap as those of the training.
 
     joint_pos: encoders with a bias of their own and noise; base_quat: a bias of the IMU in roll and

@@ -165,7 +165,7 @@ class LiveLoop:
             while self._running.is_set():
                 self.tick()
                 count += 1
-                self._collect(count)
+                self._collect_garbage(count)
                 self.wait()
         except Exception as error:
             self.faults.tell("the control loop ended", error)
@@ -236,7 +236,7 @@ class LiveLoop:
         counters["late"] = self._metronome.late
         return replace(tick, counters=counters)
 
-    def _collect(self, count: int) -> None:
+    def _collect_garbage(self, count: int) -> None:
         """Garbage, a little in every slack: young objects each second, all of them each minute."""
         if count % 30 == 0:
             gc.collect(2 if count % 1800 == 0 else 1)

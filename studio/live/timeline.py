@@ -1,10 +1,8 @@
 """Where a source of known length is played: one clock that is paused, moved, sped up, looped."""
 
 from studio.live.playhead import EPS, Playhead
-from studio.robot.a1 import CONTROL_DT
+from studio.mocap.clip_source import TOLERANCE
 
-TOLERANCE = 0.5 * CONTROL_DT
-"""s: nearer to its end a clip is over, as sources say it (`mocap.clip_source`)."""
 JUMP = 0.1
 """s: who is taken further than this has moved as nobody moves."""
 

@@ -15,7 +15,7 @@ from studio.reference.intent import StateName
 from studio.reference.library import TASKS, task_names
 from studio.reference.motion import ReferenceMotion, backward_difference
 from studio.reference.tasks_travel import TRAVEL
-from studio.rl.curriculum import DIFFICULTIES, Stage
+from studio.rl.curriculum import DIFFICULTIES, Rung
 from studio.rl.transitions import rests_on_legs, transition_motion, transition_names
 from studio.robot import kinematics
 from studio.timing import CONTROL_HZ
@@ -59,7 +59,7 @@ class MotionBank:
         """Control periods in every motion."""
         return self.joint_pos.shape[1]
 
-    def choices(self, stage: Stage) -> NDArray[np.intp]:
+    def choices(self, stage: Rung) -> NDArray[np.intp]:
         """Indices (n,) of the motions of the stage's tasks up to its difficulty.
 
         Raises StudioError where there is none.

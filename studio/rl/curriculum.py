@@ -11,7 +11,7 @@ DIFFICULTIES = (0.4, 0.7, 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stage:
+class Rung:
     """What may be drawn: the tasks so far, the widest range, the scale of Table I's ranges."""
 
     tasks: tuple[str, ...]
@@ -19,18 +19,18 @@ class Stage:
     randomisation: float
 
 
-def stages(tasks: Sequence[str], randomisation: Sequence[float] = (0.34, 0.67, 1.0)) -> list[Stage]:
+def stages(tasks: Sequence[str], randomisation: Sequence[float] = (0.34, 0.67, 1.0)) -> list[Rung]:
     """The whole ladder: tasks join one by one at a narrow range, ranges widen, dynamics spread.
 
     The paper sorts by task first and difficulty second; its randomisation grows likewise.
     randomisation: shares of Table I's ranges.
     """
     ladder = [
-        Stage(tasks=tuple(tasks[: k + 1]), difficulty=DIFFICULTIES[0], randomisation=0.0)
+        Rung(tasks=tuple(tasks[: k + 1]), difficulty=DIFFICULTIES[0], randomisation=0.0)
         for k in range(len(tasks))
     ]
-    ladder += [Stage(tasks=tuple(tasks), difficulty=d, randomisation=0.0) for d in DIFFICULTIES[1:]]
-    ladder += [Stage(tasks=tuple(tasks), difficulty=1.0, randomisation=r) for r in randomisation]
+    ladder += [Rung(tasks=tuple(tasks), difficulty=d, randomisation=0.0) for d in DIFFICULTIES[1:]]
+    ladder += [Rung(tasks=tuple(tasks), difficulty=1.0, randomisation=r) for r in randomisation]
     return ladder
 
 
@@ -42,7 +42,7 @@ class Curriculum:
     after which a stage is left anyway, so that one hard range cannot hold up the dynamics.
     """
 
-    ladder: list[Stage]
+    ladder: list[Rung]
     gate: float = 0.75
     window: int = 192
     patience: int = 800
@@ -54,7 +54,7 @@ class Curriculum:
         self._recent: list[float] = []
 
     @property
-    def stage(self) -> Stage:
+    def stage(self) -> Rung:
         """What to draw from now."""
         return self.ladder[self.level]
 

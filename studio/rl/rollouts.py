@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from studio import geometry, metrics
 from studio.control.policy import Policy
 from studio.rl.bank import MotionBank
-from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.curriculum import Curriculum, Rung
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
 from studio.robot import a1, kinematics
@@ -20,34 +20,34 @@ MAX_LAG = 10
 
 
 @dataclass(frozen=True, kw_only=True)
-class Command:
+class Sent:
     """What a controller sends: action (N, 12), or instead a PD target (N, 12) rad."""
 
     action: Array
     target: Array | None = None
 
 
-Act = Callable[[ImitationEnv], Command]
+Act = Callable[[ImitationEnv], Sent]
 
 
-def stand_still(env: ImitationEnv) -> Command:
+def stand_still(env: ImitationEnv) -> Sent:
     """The neutral pose, whatever is asked."""
     zero = np.zeros((env.num_envs, 12))
-    return Command(action=zero, target=np.broadcast_to(env.neutral, zero.shape))
+    return Sent(action=zero, target=np.broadcast_to(env.neutral, zero.shape))
 
 
-def pd_playback(env: ImitationEnv) -> Command:
+def pd_playback(env: ImitationEnv) -> Sent:
     """The (noisy) reference straight to the PD."""
     zero = np.zeros((env.num_envs, 12))
-    return Command(action=zero, target=env.noisy_joint_pos)
+    return Sent(action=zero, target=env.noisy_joint_pos)
 
 
 def policy_of(policy: Policy) -> Act:
     """The network on the environment's own observations: the training path."""
 
-    def act(env: ImitationEnv) -> Command:
+    def act(env: ImitationEnv) -> Sent:
         action = policy.network(env.observation())
-        return Command(action=action.astype(np.float64))
+        return Sent(action=action.astype(np.float64))
 
     return act
 
@@ -66,7 +66,7 @@ def evaluation_env(
 
     randomisation, noise: shares of the ranges and spreads of training.
     """
-    stage = Stage(
+    stage = Rung(
         tasks=bank.tasks, difficulty=float(bank.difficulty.max()), randomisation=randomisation
     )
     config = replace(

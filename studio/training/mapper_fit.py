@@ -27,7 +27,7 @@ from studio.training.mapper_net import MapperNet
 from studio.training.operator_pairs import PairSet
 
 log = logging.getLogger(__name__)
-Tick = Callable[[int], None]
+OnStep = Callable[[int], None]
 Watch = Callable[[int, float], None]
 
 
@@ -73,7 +73,7 @@ def fit_expert(
     pairs: PairSet,
     config: MapperTraining,
     checkpoint_file: Path | None = None,
-    tick: Tick | None = None,
+    tick: OnStep | None = None,
     weights: LossWeights = OURS,
     save_every: int = 500,
     watch: Watch | None = None,

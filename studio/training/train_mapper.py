@@ -25,7 +25,7 @@ from studio.retarget.mapper import Mapper
 from studio.retarget.store import ruled, shared, style_dir
 from studio.timing import CONTROL_HZ
 from studio.training.machine import commit
-from studio.training.mapper_fit import MapperTraining, Tick, fit_expert, plain_json, score
+from studio.training.mapper_fit import MapperTraining, OnStep, fit_expert, plain_json, score
 from studio.training.operator_pairs import PairSet, performances
 from studio.training.selector_fit import fit_selector
 
@@ -78,7 +78,7 @@ def parts_of(config: MapperTraining) -> tuple[str, ...]:
     return own
 
 
-def _ticker(bar: Progress, task: Any) -> Tick:
+def _ticker(bar: Progress, task: Any) -> OnStep:
     return lambda n: bar.update(task, completed=n)
 
 
@@ -102,7 +102,7 @@ def make_pairs(
     seed: int,
     style: str = "march",
     family: str = "default",
-    tick: Tick | None = None,
+    tick: OnStep | None = None,
 ) -> PairSet:
     """`seconds` of one state's pairs by ever new people of a family; the same for the same seed."""
     rng = np.random.default_rng([seed, list(EXPERTS).index(state)])

@@ -11,7 +11,7 @@ from studio.control.controllers import Controller, ControllerInput
 from studio.errors import StudioError
 from studio.evaluation import endurance as en
 from studio.evaluation import long_drive
-from studio.evaluation.long_drive import Sensed
+from studio.evaluation.long_drive import NoisySensors
 from studio.rl.noise import NoiseConfig
 from studio.sim.world import World
 from studio.synthetic.impaired import BRISK, IMPAIRMENTS, Impaired, Impairment, sent_by
@@ -109,7 +109,7 @@ def test_cheap_sensors_have_a_bias_of_their_own_and_noise():
 
     def felt(seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         inner = Feeling()
-        sensed = Sensed(inner, noise, seed)
+        sensed = NoisySensors(inner, noise, seed)
         for _ in range(2000):
             sensed.act(now)
         robots = [s.robot for s in inner.felt]

@@ -10,7 +10,7 @@ from studio.control.action import clip_action, pd_target
 from studio.control.policy import MODELS, Policy
 from studio.reference.intent import StateName
 from studio.rl.bank import MotionBank, build_bank
-from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.curriculum import Curriculum, Rung
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
 from studio.rl.noise import NoiseConfig
@@ -38,7 +38,7 @@ def environment(policy: Policy) -> ImitationEnv:
         observation=policy.observation,
         action=policy.action_config,
     )
-    stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=0.0)
+    stage = Rung(tasks=bank.tasks, difficulty=1.0, randomisation=0.0)
     curriculum = Curriculum(ladder=[stage])
     return ImitationEnv(config, bank, seed=1, curriculum=curriculum)
 

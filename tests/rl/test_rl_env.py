@@ -12,7 +12,7 @@ from studio.control.policy import Policy, manifest_of
 from studio.reference.library import TASKS, task_names
 from studio.reference.realize import realize
 from studio.rl.bank import MotionBank, build_bank, warp
-from studio.rl.curriculum import Curriculum, Stage, stages
+from studio.rl.curriculum import Curriculum, Rung, stages
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
 from studio.rl.noise import NoiseConfig
@@ -34,7 +34,7 @@ def walk() -> MotionBank:
 
 
 def nominal(bank: MotionBank, n: int = 8, seed: int = 0, **settings: object) -> ImitationEnv:
-    stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=0.0)
+    stage = Rung(tasks=bank.tasks, difficulty=1.0, randomisation=0.0)
     config = EnvConfig(num_envs=n, threads=1, noise=QUIET, init_joint_noise=0.0, **settings)  # type: ignore[arg-type]
     return ImitationEnv(config, bank, seed=seed, curriculum=Curriculum(ladder=[stage]))
 
@@ -116,7 +116,7 @@ def test_time_limit_truncates_and_hands_over_the_last_observation(stand: MotionB
 def test_the_same_seed_gives_the_same_episode(walk: MotionBank) -> None:
     runs = []
     for _ in range(2):
-        stage = Stage(tasks=walk.tasks, difficulty=1.0, randomisation=1.0)
+        stage = Rung(tasks=walk.tasks, difficulty=1.0, randomisation=1.0)
         env = ImitationEnv(
             EnvConfig(num_envs=6, threads=1), walk, seed=4, curriculum=Curriculum(ladder=[stage])
         )

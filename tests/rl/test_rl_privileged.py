@@ -8,7 +8,7 @@ from safetensors.numpy import save_file
 
 from studio.errors import StudioError
 from studio.rl.bank import MotionBank, build_bank
-from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.curriculum import Curriculum, Rung
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
 from studio.rl.privileged import FULL_STATE_DIM, LearnedTeacher, PrivilegedEnv, full_state
@@ -23,7 +23,7 @@ def bank() -> MotionBank:
 def environment(
     bank: MotionBank, kind: type[ImitationEnv] = ImitationEnv, noise: float = 1.0
 ) -> ImitationEnv:
-    stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=1.0)
+    stage = Rung(tasks=bank.tasks, difficulty=1.0, randomisation=1.0)
     env = kind(
         EnvConfig(num_envs=4, threads=1, noise_scale=noise),
         bank,

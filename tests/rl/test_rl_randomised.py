@@ -6,7 +6,7 @@ import pytest
 from studio import geometry
 from studio.control.observation_frame import roll_pitch
 from studio.rl.bank import MotionBank, build_bank
-from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.curriculum import Curriculum, Rung
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
 from studio.rl.noise import NoiseConfig
@@ -25,7 +25,7 @@ def bank() -> MotionBank:
 def environment(
     bank: MotionBank, randomisation: float = 1.0, n: int = N, **settings: object
 ) -> ImitationEnv:
-    stage = Stage(tasks=bank.tasks, difficulty=0.4, randomisation=randomisation)
+    stage = Rung(tasks=bank.tasks, difficulty=0.4, randomisation=randomisation)
     config = EnvConfig(num_envs=n, threads=1, **settings)  # type: ignore[arg-type]
     env = ImitationEnv(config, bank, seed=0, curriculum=Curriculum(ladder=[stage]))
     env.reset()

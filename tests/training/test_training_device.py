@@ -7,7 +7,7 @@ import torch
 
 from studio.errors import StudioError
 from studio.rl.bank import MotionBank, build_bank
-from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.curriculum import Curriculum, Rung
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
 from studio.training.device import check_device, devices, threads
@@ -24,7 +24,7 @@ def bank() -> MotionBank:
 
 
 def environment(bank: MotionBank) -> ImitationEnv:
-    stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=1.0)
+    stage = Rung(tasks=bank.tasks, difficulty=1.0, randomisation=1.0)
     config = EnvConfig(num_envs=16, threads=1)
     return ImitationEnv(config, bank, curriculum=Curriculum(ladder=[stage]))
 

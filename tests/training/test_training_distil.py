@@ -5,7 +5,7 @@ import pytest
 
 from studio import geometry
 from studio.rl.bank import MotionBank, build_bank
-from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.curriculum import Curriculum, Rung
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
 from studio.rl.teacher import TeacherConfig, load_torque, teacher_action
@@ -21,7 +21,7 @@ def bank() -> MotionBank:
 
 
 def environment(bank: MotionBank, n: int, randomisation: float = 1.0) -> ImitationEnv:
-    stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=randomisation)
+    stage = Rung(tasks=bank.tasks, difficulty=1.0, randomisation=randomisation)
     config = EnvConfig(num_envs=n, threads=1)
     return ImitationEnv(config, bank, curriculum=Curriculum(ladder=[stage]))
 

@@ -13,7 +13,7 @@ from studio.control.policy import Policy, save_policy
 from studio.errors import StudioError
 from studio.rl import rollouts
 from studio.rl.bank import MotionBank, build_bank
-from studio.rl.curriculum import Curriculum, Stage
+from studio.rl.curriculum import Curriculum, Rung
 from studio.rl.env import ImitationEnv
 from studio.rl.env_config import EnvConfig
 from studio.training import checkpoint
@@ -32,7 +32,7 @@ def bank() -> MotionBank:
 
 
 def environment(bank: MotionBank, n: int = 16, randomisation: float = 0.5) -> ImitationEnv:
-    stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=randomisation)
+    stage = Rung(tasks=bank.tasks, difficulty=1.0, randomisation=randomisation)
     curriculum = Curriculum(ladder=[stage])
     return ImitationEnv(EnvConfig(num_envs=n, threads=1), bank, seed=0, curriculum=curriculum)
 
@@ -219,7 +219,7 @@ def test_bad_settings_say_what_would_work() -> None:
 def test_a_short_training_beats_its_start() -> None:
     """Walking under full randomisation: half a minute lifts reward and tracked time clearly."""
     motions = build_bank("walk", per_task=6, seconds=4.0, difficulties=(1.0,))
-    stage = Stage(tasks=motions.tasks, difficulty=1.0, randomisation=1.0)
+    stage = Rung(tasks=motions.tasks, difficulty=1.0, randomisation=1.0)
     env = ImitationEnv(
         EnvConfig(num_envs=128, threads=1), motions, curriculum=Curriculum(ladder=[stage])
     )
@@ -292,7 +292,7 @@ def test_ppo_alone_learns_to_keep_a_sitting_robot_up(tmp_path: Path) -> None:
     than PD playback, were up .05 to .15 more of it and erred by .4 to .7 degrees less.
     """
     bank = build_bank("sit", per_task=4, seconds=4.0, difficulties=(1.0,))
-    stage = Stage(tasks=bank.tasks, difficulty=1.0, randomisation=1.0)
+    stage = Rung(tasks=bank.tasks, difficulty=1.0, randomisation=1.0)
 
     def figures(act: rollouts.Act) -> np.ndarray:
         out = rollouts.run_episodes(rollouts.evaluation_env(bank, 128, 100, threads=1), act)

@@ -107,7 +107,7 @@ def test_a_view_that_ended_is_started_again(well, monkeypatch):
 
 
 def test_a_control_loop_that_ended_is_started_again_with_its_robot_stopped(well, monkeypatch):
-    collect, ended = LiveLoop._collect, threading.Event()
+    collect, ended = LiveLoop._collect_garbage, threading.Event()
 
     def end_once(self, count):
         if not ended.is_set():
@@ -115,7 +115,7 @@ def test_a_control_loop_that_ended_is_started_again_with_its_robot_stopped(well,
             raise RuntimeError("the loop's own mistake")
         collect(self, count)
 
-    monkeypatch.setattr(LiveLoop, "_collect", end_once)
+    monkeypatch.setattr(LiveLoop, "_collect_garbage", end_once)
     wait_for(ended.is_set)
     state = well.wait(lambda s: s["stopped"])
     assert "control loop had ended" in state["why"]
