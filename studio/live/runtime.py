@@ -101,9 +101,8 @@ class Runtime:
 
     def step(self, now: float) -> Tick:
         """Read the source, drive the robot (or replay), record. `now`: s on the loop's clock."""
-        self.props = None
         if self.mode == "replay" and self.replay is not None:
-            tick = self.replay.step()
+            tick, self.props = self.replay.step(), None
             self._replayed += tick.human_fresh
             paused: Reason = "paused" if tick.why else ""
             self.reason = self.safety.reason or paused

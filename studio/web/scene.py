@@ -11,25 +11,18 @@ import viser
 from numpy.typing import NDArray
 
 from studio.geometry import IDENTITY_QUAT
-from studio.robot import a1
 from studio.robot.kinematics import foot_pos_w
 from studio.scenes.scene import Scene
 from studio.sim.prop_world import PropPoses
 from studio.takes.tick import Tick
-from studio.web import shapes
+from studio.web.feet import Feet
 from studio.web.figures import HumanFigure, RobotFigure
 from studio.web.follow import COLUMNS, HALF_TURN, WIDE_COLUMNS, Above, Follow, faced_away
-from studio.web.scene_batch import Batch
 from studio.web.scene_props import Props
 
 Array = NDArray[np.float64]
 
 REFERENCE_TINT = (92, 156, 255)
-CONTACT_ON = np.array([46, 204, 130], dtype=np.float64)
-CONTACT_OFF = np.array([120, 128, 145], dtype=np.float64)
-CONTACT_RADIUS = 0.036
-SOLE_UNDER = a1.FOOT_RADIUS - 0.002
-"""m from a foot's centre down to its disc."""
 GRID_SECTION = 0.5
 CAPTION_HEIGHTS = {"human": 1.06, "reference": 0.52, "robot": 0.52}
 """Where the page hangs its captions above each figure that stands, m: the least."""
@@ -43,7 +36,7 @@ class Caption:
     def __init__(self, scene: viser.SceneApi, name: str) -> None:
         self._column, self._above = COLUMNS[name], Above(CAPTION_HEIGHTS[name], CAPTION_GAP)
         self._shown = self._above.height
-        self._frame = scene.add_frame(f"/captions/{name}", show_axes=False, position=self._at())
+        self._frame = scene.add_frame(f"/{name}/caption", show_axes=False, position=self._at())
 
     def rise(self, top: float, dt: float, column: Array) -> None:
         """Over a figure in this column that reaches up to `top` m; a page is told of whole
@@ -102,20 +95,14 @@ class StudioScene:
             fade_from="origin",
             shadow_opacity=0.32,
         )
+        for name in COLUMNS:  # a page may move a figure whole: nothing else is told of these
+            scene.add_frame(f"/{name}", show_axes=False)
         self._human = HumanFigure(scene)
         self._figures = {
             "reference": RobotFigure(scene, "reference", tint=REFERENCE_TINT, opacity=0.62),
             "robot": RobotFigure(scene, "robot"),
         }
-        self._contacts = Batch(
-            scene,
-            "/contacts",
-            shapes.disc_mesh(),
-            8,
-            np.tile(CONTACT_OFF, (8, 1)),
-            scaled=True,
-            shadow=False,
-        )
+        self._feet = {name: Feet(scene, name) for name in self._figures}
         self._props = Props(scene)
         self._captions = {name: Caption(scene, name) for name in COLUMNS}
         self._follow = {"reference": Follow(), "robot": Follow()}
@@ -133,7 +120,7 @@ class StudioScene:
             top = self._human.update(tick.human, dt, columns["human"], away)
             self._captions["human"].rise(top, dt, columns["human"])
             ref = tick.reference
-            feet = {
+            all_feet = {
                 "reference": foot_pos_w(ref.base_pos, ref.base_quat, ref.joint_pos),
                 "robot": tick.robot.foot_pos_w,
             }
@@ -141,14 +128,13 @@ class StudioScene:
             for name, pose in (("reference", ref), ("robot", tick.robot)):
                 xy = self._follow[name].push(pose.base_pos[:2], dt)
                 shifts[name] = columns[name] - np.array([xy[0], xy[1], 0.0])
-                feet[name] = feet[name] + shifts[name]
+                feet = all_feet[name] + shifts[name]
                 about = columns[name] if away else None
                 if about is not None:
-                    feet[name] = faced_away(feet[name], about)
+                    feet = faced_away(feet, about)
                 top = self._figures[name].update(pose, shifts[name], about)
-                top = max(top, feet[name][:, 2].max())
-                self._captions[name].rise(top, dt, columns[name])
-            self._update_contacts(tick, np.concatenate([feet["reference"], feet["robot"]]))
+                self._captions[name].rise(max(top, feet[:, 2].max()), dt, columns[name])
+                self._feet[name].update(feet, pose.foot_contact)
             shift, column = shifts["robot"], columns["robot"]
             turned = (faced_away(shift, column), HALF_TURN)
             self._props.update(props, turned if away else (shift, IDENTITY_QUAT))
@@ -156,13 +142,3 @@ class StudioScene:
             floor = np.mod((-1.0 if away else 1.0) * (shift - column), GRID_SECTION)
             self._floor.position = (float(floor[0]), float(floor[1]), 0.0)
         self._server.flush()
-
-    def _update_contacts(self, tick: Tick, feet: Array) -> None:
-        """Discs under the feet (8, 3) of both robots, green where one stands."""
-        contact = np.concatenate([tick.reference.foot_contact, tick.robot.foot_contact])[:, None]
-        contact = np.clip(contact, 0.0, 1.0)
-        # On the floor; where one stands, just over its sole, which may be on a step.
-        feet[:, 2] = np.where(contact[:, 0] > 0.5, feet[:, 2] - SOLE_UNDER, 0.0).clip(min=0.002)
-        radius = np.repeat(CONTACT_RADIUS * (0.55 + 0.45 * contact), 3, axis=1)
-        color = CONTACT_OFF + contact * (CONTACT_ON - CONTACT_OFF)
-        self._contacts.move(feet, scale=radius, color=color)

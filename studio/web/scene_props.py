@@ -23,7 +23,7 @@ Parts = list[tuple[PropShape, tuple[float, ...], float]]
 """Prop, size and height above its centre of each of its parts."""
 STRING_RADIUS = 0.004
 STRING_COLOR = (150, 150, 150)
-ROOT = "/props"
+ROOT = "/robot/props"
 
 
 class Group:

@@ -86,3 +86,18 @@ def test_arming_among_props_leaves_the_robot_where_it_is(make):
     assert np.linalg.norm(reference - before) > 0.0
     after = np.array(ask(loop, c.Arm()).state["robot"]["base_pos"][:2])
     assert np.allclose(after, before, atol=0.02)
+
+
+def test_props_are_beside_the_robot_at_any_moment_for_whoever_looks(make, monkeypatch):
+    loop = make(scene="push")
+    run(loop, 0.2)
+    runtime = loop.runtime
+    seen = []
+    step = runtime.puppeteer.step
+    monkeypatch.setattr(
+        runtime.puppeteer, "step", lambda *a: (seen.append(runtime.props), step(*a))[1]
+    )
+    run(loop, 0.2)  # another thread may look amid a period
+    assert seen
+    assert all(props is not None for props in seen)
+    assert list(loop.state_dict()["props"]) == ["box"]

@@ -14,7 +14,7 @@ RENDERED = """() => {
   const root = m.nodeRefFromName[''];
   const out = {};
   for (const [name, node] of Object.entries(m.nodeRefFromName)) {
-    if (!/^\\/(human|reference|robot|contacts)/.test(name) || !node) continue;
+    if (!/^\\/(human|reference|robot)\\/[^/]+$/.test(name) || !node) continue;
     node.traverse((mesh) => {
       if (!mesh.getMatrixAt || !mesh.instancesCount) return;
       mesh.updateWorldMatrix(true, false);
@@ -59,7 +59,7 @@ def iter_links(rendered, name) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     meshes = link_meshes()
     out = {}
     for node, matrices in rendered.items():
-        if not node.startswith(f"/{name}/"):
+        if not node.startswith(f"/{name}/") or node.split("/")[-1] not in meshes:
             continue
         first = meshes[node.split("/")[-1]]
         links = [

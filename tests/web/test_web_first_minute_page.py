@@ -127,17 +127,15 @@ def test_everything_the_page_can_do_is_found_by_typing(served, browsing):
 
 @pytest.mark.long
 def test_a_hidden_figure_and_its_name_are_gone_until_it_is_shown_again(served, browsing):
-    count = """() => Object.entries(
-      document.querySelector('#view').contentWindow.__viserMutable.nodeRefFromName
-    ).filter(([name, node]) => name.startsWith('/reference/') && node?.visible).length"""
+    inside = "document.querySelector('#view').contentWindow.__viserMutable"
+    deep = f"{inside}.nodeRefFromName['/reference'].position.z < -100"  # out of sight
     named = "document.querySelector('.caption[data-figure=reference]').style.visibility"
     with browsing.page(served, 1024, 700) as page:
         drawn(page)
-        parts = until(page, count)
         click(page, '#figures [data-figure="reference"]')
-        until(page, f"() => ({count})() === 0 && {named} === 'hidden'")
+        until(page, f"() => {deep} && {named} === 'hidden'")
         page.reload()
         drawn(page)
-        until(page, f"() => ({count})() === 0 && {named} !== 'visible'")  # remembered
+        until(page, f"() => {deep} && {named} !== 'visible'")  # remembered
         click(page, '#figures [data-figure="reference"]')
-        until(page, f"() => ({count})() === {parts} && {named} === 'visible'")
+        until(page, f"() => !({deep}) && {named} === 'visible'")

@@ -62,7 +62,7 @@ def test_all_three_figures_are_drawn_as_the_ticks_say(page, served):
         page.wait_for_timeout(1500)
     assert seen == sorted(set(seen)), "the picture stands still"
     assert len(rendered["/human/bones"]) == 18
-    assert len(rendered["/contacts"]) == 8
+    assert len(rendered["/reference/contacts"]) == len(rendered["/robot/contacts"]) == 4
 
 
 def test_webgl_draws_pixels_of_each_figure(page, served):

@@ -66,10 +66,10 @@ def test_every_scene_can_be_drawn(inner, name):
     props.update(shown(stage), FRAME)
     parts = sum(len(prop.parts()) for prop in scene_of(name).props)
     handles = inner.server.scene._handle_from_node_name
-    drawn = [h for n, h in handles.items() if n.startswith("/props/") and "strings" not in n]
+    drawn = [h for n, h in handles.items() if n.startswith("/robot/props/") and "strings" not in n]
     assert sum(len(h.batched_positions) for h in drawn) == parts
     props.update(None, FRAME)
-    assert not [n for n in handles if n.startswith("/props")]
+    assert not [n for n in handles if n.startswith("/robot/props")]
 
 
 def test_a_box_is_drawn_where_it_is_and_sent_only_while_it_moves(inner):
@@ -80,7 +80,7 @@ def test_a_box_is_drawn_where_it_is_and_sent_only_while_it_moves(inner):
         stage.step(NEUTRAL["stand"].joint_pos)
     still = shown(stage)
     props.update(still, FRAME)
-    at = newest(inner, "/props/moving_0")["batched_positions"]
+    at = newest(inner, "/robot/props/moving_0")["batched_positions"]
     np.testing.assert_allclose(at[:, :2], np.tile(world.position("box")[:2], (2, 1)), atol=1e-4)
     assert at[0, 2] > at[1, 2]  # on its foot
     counter = inner.server._websock_server._broadcast_buffer
@@ -89,7 +89,7 @@ def test_a_box_is_drawn_where_it_is_and_sent_only_while_it_moves(inner):
     assert counter.message_counter <= before + 2  # the frame alone
     world.put("box", (2.0, 0.3, 0.2))
     props.update(shown(stage), FRAME)
-    at = newest(inner, "/props/moving_0")["batched_positions"]
+    at = newest(inner, "/robot/props/moving_0")["batched_positions"]
     np.testing.assert_allclose(at[0, :2], [2.0, 0.3], atol=1e-6)
     props.update(None, FRAME)
 

@@ -113,6 +113,7 @@ const view = new View({
   listen: (target) => keyboard.listen(target),
   ready: () => $("#veil").classList.add("gone"),
   drag: drops.drag,
+  newest: () => studio.tick,
 });
 /** @type {FilmButton} */
 const film = new FilmButton(studio, view);

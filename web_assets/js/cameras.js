@@ -1,40 +1,91 @@
 // Where the cameras stand, and where a caption goes: geometry without a page.
 
-/** @typedef {"front" | "side" | "behind" | "top"} CameraName */
+/** @typedef {"front" | "side" | "behind" | "top" | "chase" | "split"} CameraName */
+/** @typedef {"human" | "reference" | "robot"} Figure */
 
 /**
  * Direction from which a camera looks, its distance (m), and at what; in viser's world, z up.
+ * places: where figures stand for it (x, y in m), if not in their columns; null: not shown.
  *
- * @type {Record<CameraName, { from: number[], at: number[] }>}
+ * @type {Record<CameraName, { from: number[], at: number[],
+ *   places?: Record<Figure, [number, number] | null> }>}
  */
 const CAMERAS = {
   front: { from: [3.05, -1.15, 0.95], at: [0, -0.03, 0.4] },
-  side: { from: [1.1, -3.6, 0.8], at: [0, 0, 0.4] },
+  // In a row, so that none hides another.
+  side: {
+    from: [0, -4, 0.9],
+    at: [0, 0, 0.42],
+    places: { human: [-1.25, 0], reference: [-0.1, 0], robot: [1.1, 0] },
+  },
   behind: { from: [-3.2, -0.5, 1.3], at: [0, 0, 0.42] },
   top: { from: [0.6, 0, 3.9], at: [0, 0, 0] },
+  chase: {
+    from: [-1.9, 0, 0.85],
+    at: [0, 0, 0.3],
+    places: { human: null, reference: null, robot: [0, 0] },
+  },
+  // Person on the left half, robots on the right.
+  split: {
+    from: [3.6, 0, 0.75],
+    at: [0, 0, 0.45],
+    places: { human: [0.7, -0.72], reference: [0, 0.42], robot: [0, 1.14] },
+  },
 };
 /** Width over height; narrower views step back, so that all three figures stay in sight. */
 const WIDE = 1.75;
-/** px left free below a caption for what stands at the view's foot. */
-const FOOT = 70;
-/** px between captions, and between one and what stands at the view's edges. */
-const GAP = 4;
-
 /** The figures stand that much wider beside props. */
 const APART = 1.35;
+/** Half of viser's angle of view, upright, as a tangent. */
+const HALF = Math.tan(0.25);
 
 /**
- * Eye and target (m) of a camera in a view of that aspect.
+ * Eye and target (m) of a camera in a view of that aspect, and how far (m) it is moved to the left
+ * so that all is seen beside what covers a share of the view's left.
  *
  * @param {CameraName} name
  * @param {number} aspect
  * @param {boolean} [props] whether the figures stand beside props
+ * @param {number} [covered] from 0 to 1
  */
-export function stand(name, aspect, props = false) {
-  const { from, at } = CAMERAS[name];
-  const back = Math.max(1, WIDE / aspect) * (props ? APART : 1);
-  return { eye: at.map((c, i) => c + back * from[i]), at };
+export function stand(name, aspect, props = false, covered = 0) {
+  const { from, at, places } = CAMERAS[name];
+  const room = aspect * (1 - covered);
+  const narrow = name === "chase" ? 1 : Math.max(1, WIDE / room);
+  const back = narrow * (props && !places ? APART : 1);
+  const eye = at.map((c, i) => c + back * from[i]);
+  return { eye, at, aside: covered * back * Math.hypot(...from) * HALF * aspect };
 }
+
+/**
+ * Where a figure stands for a camera, m; undefined for its column, null where it is not shown.
+ *
+ * @param {CameraName} name @param {Figure} figure
+ */
+export const placeOf = (name, figure) => CAMERAS[name].places?.[figure];
+
+/** The turn (rad) from one heading to another, the short way. @param {number} turn */
+export const wrapped = (turn) => Math.atan2(Math.sin(turn), Math.cos(turn));
+
+/** s in which a chasing camera comes up with most of a turn. */
+const BEHIND = 0.5;
+/** rad: whoever wants no motion is cut to a new place after a turn of as much. */
+const CUT = Math.PI / 4;
+
+/**
+ * How far (rad) a chasing camera turns in dt s towards a heading that is so far off.
+ *
+ * @param {number} off rad @param {number} dt s @param {boolean} cuts
+ */
+export function turnBy(off, dt, cuts) {
+  if (cuts) return Math.abs(off) > CUT ? off : 0;
+  return off * (1 - Math.exp(-dt / BEHIND));
+}
+
+/** px left free below a caption for what stands at the view's foot. */
+const FOOT = 70;
+/** px between captions, and between one and what stands at the view's edges. */
+const GAP = 4;
 
 /**
  * Where a caption's lower middle goes, px, kept inside the view; null where its figure is not

@@ -9,7 +9,7 @@ const BUTTONS = /** @type {const} */ ([
   ["#mode button", "Mode: "],
   ["#lock button", "State: "],
   ["#style button", "Walking means: "],
-  [".cameras button", "Camera: ", ["1", "2", "3", "4"]],
+  [".cameras button", "Camera: ", ["1", "2", "3", "4", "5", "6"]],
   ["#figures button", "Show or hide: "],
   ["#record", "", ["H"]],
   ["#keys-drive", ""],

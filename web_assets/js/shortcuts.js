@@ -8,7 +8,7 @@ const ROWS = [
   ["Space", "emergency stop, outside controls"],
   ["R", "reset: stand up"],
   ["Enter", "arm: follow again"],
-  ["1–4", "camera: front, side, behind, above"],
+  ["1–6", "camera: front, side, behind, above, chase (with the robot), split (person | robots)"],
   ["8 9", "a scene: again from its beginning, the next one"],
   ["T", "dark or light"],
   ["H", "record, and end the take"],

@@ -2,15 +2,14 @@
 // viser publishes its internals as `__viserMutable` for tests; where they are missing the view
 // still works, without captions and cameras.
 
-import { place, spread, stand } from "./cameras.js";
-import { $, $$, calm, press, setStyle, text } from "./dom.js";
+import { place, spread } from "./cameras.js";
+import { $, $$, setStyle, text } from "./dom.js";
 import { REST, spare } from "./sparing.js";
+import { ViewCamera } from "./view-camera.js";
 
 /** @import { Box, CameraName } from "./cameras.js" */
-/** @import { Viser, ViewWindow } from "../types/page.js" */
+/** @import { Tick, Viser, ViewWindow } from "../types/page.js" */
 
-/** A part of a figure, by its name in the scene. */
-const FIGURE = /^\/(human|reference|robot)\//;
 /** What is at the view's edges. */
 const EDGES = ".stage-record, .cameras, .figures, #scene-over";
 const DRAGS = /** @type {const} */ (["dragenter", "dragover", "dragleave", "drop"]);
@@ -22,8 +21,8 @@ export class View {
   #sizes = new Map();
   /** @type {Box[] | null} */
   #edges = null;
-  /** @type {CameraName} */
-  #camera = "front";
+  /** @type {ViewCamera} */
+  #camera;
   #connected = false;
   #props = false;
   /** Whether the processor draws, and the captions need not follow any faster than that. */
@@ -33,9 +32,11 @@ export class View {
 
   /**
    * @param {{ listen: (target: Window) => void, ready: () => void,
-   *   drag: (event: DragEvent) => void }} hooks ready: once the figures are drawn
+   *   drag: (event: DragEvent) => void, newest: () => Tick | null }} hooks ready: once the figures
+   *   are drawn
    */
-  constructor({ listen, ready, drag }) {
+  constructor({ listen, ready, drag, newest }) {
+    this.#camera = new ViewCamera(newest);
     this.#frame.addEventListener("load", () => {
       const inner = this.#window;
       listen(inner);
@@ -48,13 +49,16 @@ export class View {
       button.addEventListener("click", () =>
         this.look(/** @type {CameraName} */ (button.dataset.camera)),
       );
-    const edges = new ResizeObserver(() => (this.#edges = null));
-    for (const name of [".stage-record", "#scene-over"]) edges.observe($(name));
-    new ResizeObserver(() => {
-      this.#sizes.clear();
+    new ResizeObserver(() => (this.#edges = null)).observe($(".stage-record"));
+    let width = 0;
+    const resized = new ResizeObserver(() => {
       this.#edges = null;
-      if (this.#connected) this.look(this.#camera, false);
-    }).observe(this.#frame);
+      const [view, over] = [this.#frame, $("#scene-over")];
+      if (width === (width = view.clientWidth + view.clientHeight + over.clientWidth)) return;
+      this.#sizes.clear();
+      if (this.#connected) this.look(this.#camera.name, false);
+    });
+    for (const node of [this.#frame, $("#scene-over")]) resized.observe(node);
     for (const button of $$("#figures button")) {
       const name = button.dataset.figure ?? "";
       const press = () => button.setAttribute("aria-pressed", String(!this.#hidden.has(name)));
@@ -71,7 +75,7 @@ export class View {
       this.#connected = viser !== null && this.#place(viser);
       if (viser && this.#connected && !shown) {
         shown = true;
-        this.look(this.#camera, false);
+        this.look(this.#camera.name, false);
         this.#spared = spare(viser, this.#window);
         ready();
       }
@@ -111,7 +115,7 @@ export class View {
   beside(props) {
     if (props === this.#props) return;
     this.#props = props;
-    this.look(this.#camera);
+    this.look(this.#camera.name);
   }
 
   /** Cameras by key, in the order of their buttons. */
@@ -123,13 +127,14 @@ export class View {
   look(name, glide = true) {
     const viser = this.#inside;
     if (!viser?.cameraControl) return;
-    this.#camera = name;
+    this.#camera.name = name;
     const aspect = this.#frame.clientWidth / this.#frame.clientHeight;
-    const { eye, at } = stand(name, aspect, this.#props);
-    const [from, to] = [eye, at].map((point) => toThree(viser, point));
-    viser.cameraControl.setLookAt(from.x, from.y, from.z, to.x, to.y, to.z, glide && !calm());
-    viser.requestRender();
-    press($(".cameras"), "camera", name);
+    this.#camera.look(viser, aspect, this.#props, glide);
+  }
+
+  /** @param {string} figure */
+  #hides(figure) {
+    return this.#hidden.has(figure) || !this.#camera.shows(figure);
   }
 
   /**
@@ -138,23 +143,19 @@ export class View {
    *
    * @param {Viser} viser
    */
-  #place({ camera, nodeRefFromName, requestRender }) {
+  #place(viser) {
+    const { camera, nodeRefFromName } = viser;
     if (!camera || !nodeRefFromName) return false;
-    for (const [path, node] of Object.entries(nodeRefFromName)) {
-      const figure = FIGURE.exec(path)?.[1];
-      if (!figure || !node || node.visible !== this.#hidden.has(figure)) continue;
-      node.visible = !node.visible;
-      requestRender();
-    }
+    if (this.#connected) this.#camera.follow(viser, this.#hidden);
     const view = this.#size(this.#frame);
     let found = 0;
     const shown = this.#captions.flatMap((node) => {
-      const anchor = nodeRefFromName[`/captions/${node.dataset.figure}`];
+      const anchor = nodeRefFromName[`/${node.dataset.figure}/caption`];
       if (!anchor) return [];
       found += 1;
       const point = anchor.getWorldPosition(anchor.position.clone()).project(camera);
       const size = this.#size(node);
-      const at = this.#hidden.has(node.dataset.figure ?? "") ? null : place(point, view, size);
+      const at = this.#hides(node.dataset.figure ?? "") ? null : place(point, view, size);
       if (!at) this.#put(node, "");
       return at ? [{ node, size, ...at }] : [];
     });
@@ -204,15 +205,4 @@ export class View {
       this.#sizes.delete(node);
     }
   }
-}
-
-/**
- * viser's world is z up, three.js' is y up: (x, y, z) is drawn at (x', y', z') = turn(x, y, z).
- *
- * @param {Viser} viser
- * @param {number[]} point
- */
-function toThree({ camera, nodeRefFromName }, [x, y, z]) {
-  const point = Object.assign(camera.position.clone(), { x, y, z });
-  return nodeRefFromName[""]?.localToWorld(point) ?? point;
 }

@@ -1,16 +1,67 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { place, spread, stand } from "../js/cameras.js";
+import { place, placeOf, spread, stand, turnBy, wrapped } from "../js/cameras.js";
 
 const close = (point, expected) =>
   point.forEach((c, i) => assert.ok(Math.abs(c - expected[i]) < 1e-12, `${point} ${expected}`));
 
 test("a camera of a narrow view steps back along its own direction", () => {
   const wide = stand("side", 2);
-  close(wide.eye, [1.1, -3.6, 1.2]);
-  close(wide.at, [0, 0, 0.4]);
-  close(stand("side", 0.875).eye, [2.2, -7.2, 2]); // half as wide as all three figures need
+  close(wide.eye, [0, -4, 1.32]);
+  close(wide.at, [0, 0, 0.42]);
+  close(stand("side", 0.875).eye, [0, -8, 2.22]); // half as wide as all three figures need
+});
+
+/** What a figure takes up, m: half along x and y, and its height. */
+const SIZES = { human: [0.3, 0.3, 1.05], reference: [0.36, 0.2, 0.42], robot: [0.36, 0.2, 0.42] };
+const COLUMNS = { human: [0, -0.86], reference: [0, 0], robot: [0, 0.82] };
+
+/** The box (left, bottom, right, top) on the screen that holds a figure, in tangents. */
+function seen(camera, figure) {
+  const { eye, at } = stand(camera, 1.75);
+  const unit = (v) => v.map((c) => c / Math.hypot(...v));
+  const cross = (a, b) => [
+    a[1] * b[2] - a[2] * b[1],
+    a[2] * b[0] - a[0] * b[2],
+    a[0] * b[1] - a[1] * b[0],
+  ];
+  const dot = (a, b) => a.reduce((sum, c, i) => sum + c * b[i], 0);
+  const ahead = unit(at.map((c, i) => c - eye[i]));
+  const right = unit(cross(ahead, [0, 0, 1]));
+  const up = cross(right, ahead);
+  const [x, y] = placeOf(camera, figure) ?? COLUMNS[figure];
+  const [a, b, high] = SIZES[figure];
+  const points = [-a, a].flatMap((dx) =>
+    [-b, b].flatMap((dy) =>
+      [0, high].map((z) => {
+        const from = [x + dx, y + dy, z].map((c, i) => c - eye[i]);
+        return [dot(from, right), dot(from, up)].map((c) => c / dot(from, ahead));
+      }),
+    ),
+  );
+  const of = (pick, i) => pick(...points.map((point) => point[i]));
+  return [of(Math.min, 0), of(Math.min, 1), of(Math.max, 0), of(Math.max, 1)];
+}
+
+for (const camera of /** @type {const} */ (["side", "top", "split", "front"]))
+  test(`no figure hides another: ${camera}`, () => {
+    const boxes = Object.keys(SIZES).map((figure) => seen(camera, figure));
+    const wide = Math.tan(0.25) * 1.75; // viser's angle of view is 0.5 rad, upright
+    for (const [i, a] of boxes.entries()) {
+      assert.ok(a[0] > -wide && a[2] < wide, `${i} is in sight: ${a}`);
+      for (const b of boxes.slice(i + 1))
+        assert.ok(a[2] < b[0] || b[2] < a[0] || a[3] < b[1] || b[3] < a[1], `${i}: ${a}; ${b}`);
+    }
+  });
+
+test("a chasing camera turns with the robot, smoothly, or cuts where no motion is wanted", () => {
+  let behind = 0;
+  for (let i = 0; i < 60; i += 1) behind += turnBy(wrapped(3 - behind), 1 / 30, false);
+  assert.ok(behind > 2.9 && behind < 3);
+  assert.ok(turnBy(wrapped(-3 - 3), 1 / 30, false) > 0); // the short way
+  assert.equal(turnBy(0.5, 1 / 30, true), 0);
+  assert.equal(turnBy(-1, 1 / 30, true), -1);
 });
 
 test("a caption stands at its figure, and inside the view", () => {

@@ -68,9 +68,16 @@ export type Values<P, M> = Part<Part<Operation<P, M>, "parameters">, "path"> &
 /** viser's own state, which it leaves in its window for tests: only what we use of it. */
 export interface Viser {
   canvas: HTMLCanvasElement;
+  configuredMaxOrbitDistance: number;
   camera: { position: Vector };
   cameraControl?: {
     setLookAt(...eyeThenTargetThenGlide: [...number[], boolean]): void;
+    setFocalOffset(x: number, y: number, z: number, glide: boolean): void;
+    rotate(azimuth: number, polar: number, glide: boolean): void;
+    moveTo(x: number, y: number, z: number, glide: boolean): void;
+    getTarget(into: Vector): Vector;
+    maxPolarAngle: number;
+    minDistance: number;
   };
   nodeRefFromName: Record<string, Node3D | undefined>;
   scene: { traverse(visit: (thing: { isLight?: boolean; castShadow?: boolean }) => void): void };

@@ -1,0 +1,142 @@
+// The view's camera: which one it is, where figures stand for it, and how it follows the robot.
+
+import { placeOf, stand, turnBy, wrapped } from "./cameras.js";
+import { $, calm, press } from "./dom.js";
+import { angles } from "./motion.js";
+
+/** @import { CameraName, Figure } from "./cameras.js" */
+/** @import { Tick, Viser } from "../types/page.js" */
+
+const FIGURES = /** @type {Figure[]} */ (["human", "reference", "robot"]);
+/** rad from straight down: it looks up at nothing, so that it stays over the floor. */
+const LOWEST = Math.PI / 2 - 0.02;
+/** m: how near and far it goes, and how far from the middle it may look. */
+const NEAR = 0.5;
+const FAR = 14;
+const ROOM = 6;
+/** m: so deep, nothing is seen. */
+const AWAY = -1000;
+
+export class ViewCamera {
+  name = /** @type {CameraName} */ ("front");
+  /** Heading (rad) that it is behind; null before it chases. @type {number | null} */
+  #behind = null;
+  #then = 0;
+  /** The camera that is used. */
+  #used = this.name;
+  /** @type {[number, boolean]} */
+  #view = [1, false];
+
+  /** @param {() => Tick | null} newest */
+  constructor(newest) {
+    this.newest = newest;
+    const kept = localStorage.getItem("camera");
+    if (kept && document.querySelector(`[data-camera="${kept}"]`))
+      this.name = /** @type {CameraName} */ (kept);
+  }
+
+  /** Whoever collects has to see what to act out. @returns {CameraName} */
+  get #wanted() {
+    return this.name === "chase" && this.newest()?.mode === "collect" ? "front" : this.name;
+  }
+
+  /** Whether a figure is shown by it. @param {string} figure */
+  shows(figure) {
+    return placeOf(this.#used, /** @type {Figure} */ (figure)) !== null;
+  }
+
+  /**
+   * Stand there.
+   *
+   * @param {Viser} viser
+   * @param {number} aspect of the view
+   * @param {boolean} props whether there are any
+   * @param {boolean} glide
+   */
+  look(viser, aspect, props, glide) {
+    const control = viser.cameraControl;
+    if (!control) return;
+    control.maxPolarAngle = LOWEST;
+    control.minDistance = NEAR;
+    viser.configuredMaxOrbitDistance = FAR;
+    this.#view = [aspect, props];
+    const name = (this.#used = this.#wanted);
+    const { eye, at, aside } = stand(name, aspect, props, covered());
+    const [from, to] = [eye, at].map((point) => toThree(viser, point));
+    const glides = glide && !calm() && name !== "chase";
+    control.setLookAt(from.x, from.y, from.z, to.x, to.y, to.z, glides);
+    control.setFocalOffset(-aside, 0, 0, glides);
+    this.#behind = name === "chase" ? 0 : null;
+    viser.requestRender();
+    press($(".cameras"), "camera", this.name);
+    $(".stage").dataset.camera = name;
+    localStorage.setItem("camera", this.name);
+  }
+
+  /** Every frame. @param {Viser} viser @param {Set<string>} hidden figures */
+  follow(viser, hidden) {
+    const now = performance.now();
+    const dt = Math.min(0.5, (now - this.#then) / 1000);
+    this.#then = now;
+    if (this.#wanted !== this.#used) this.look(viser, ...this.#view, false);
+    for (const figure of FIGURES) this.#stand(viser, figure, hidden.has(figure));
+    this.#chase(viser, dt);
+    this.#overFloor(viser);
+  }
+
+  /**
+   * Put a figure where it stands for this camera, or out of sight: viser sets each frame anew what
+   * is visible.
+   *
+   * @param {Viser} viser @param {Figure} figure @param {boolean} hidden
+   */
+  #stand({ nodeRefFromName, requestRender }, figure, hidden) {
+    const node = nodeRefFromName[`/${figure}`];
+    const column = nodeRefFromName[`/${figure}/caption`]?.position;
+    if (!node || !column) return;
+    const [x, y] = placeOf(this.#used, figure) ?? [column.x, column.y];
+    const to = { x: x - column.x, y: y - column.y, z: hidden || !this.shows(figure) ? AWAY : 0 };
+    const { position: at } = node;
+    if (Math.abs(at.x - to.x) + Math.abs(at.y - to.y) + Math.abs(at.z - to.z) < 1e-6) return;
+    Object.assign(at, to);
+    requestRender();
+  }
+
+  /** Turn with the robot; a person may turn it besides. @param {Viser} viser @param {number} dt */
+  #chase({ cameraControl }, dt) {
+    const tick = this.newest();
+    if (this.#behind === null || !tick || !cameraControl) return;
+    const off = wrapped(angles(tick.robot.base_quat).yaw - this.#behind);
+    const turn = turnBy(off, dt, calm());
+    if (Math.abs(turn) < 1e-4) return;
+    this.#behind += turn;
+    cameraControl.rotate(turn, 0, false);
+  }
+
+  /** Whatever was dragged, it looks at what is over the floor. @param {Viser} viser */
+  #overFloor({ camera, cameraControl }) {
+    if (!cameraControl?.getTarget) return;
+    const at = cameraControl.getTarget(camera.position.clone());
+    const inside = (/** @type {number} */ c) => Math.min(ROOM, Math.max(-ROOM, c));
+    const [x, y, z] = [inside(at.x), Math.min(3, Math.max(0.02, at.y)), inside(at.z)];
+    if (x !== at.x || y !== at.y || z !== at.z) cameraControl.moveTo(x, y, z, false);
+  }
+}
+
+/** The share of the view's left that is covered by what is to be done; of narrow views, none. */
+function covered() {
+  const { offsetLeft, offsetWidth, offsetParent } = $("#scene-over");
+  const share = offsetParent ? (offsetLeft + offsetWidth) / offsetParent.clientWidth : 0;
+  return share < 0.5 ? share : 0;
+}
+
+/**
+ * viser's world is z up, three.js' is y up: (x, y, z) is drawn at (x', y', z') = turn(x, y, z).
+ *
+ * @param {Viser} viser
+ * @param {number[]} point
+ */
+export function toThree({ camera, nodeRefFromName }, [x, y, z]) {
+  const point = Object.assign(camera.position.clone(), { x, y, z });
+  return nodeRefFromName[""]?.localToWorld(point) ?? point;
+}
