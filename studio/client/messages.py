@@ -88,6 +88,7 @@ class State(TypedDict):
     progress: dict[str, Any]
     props: dict[str, list[float]]
     person: str
+    push: list[float]
     latency_ms: dict[str, float]
     counters: dict[str, int]
     robot: Pose

@@ -113,14 +113,14 @@ class SceneRuns:
         self._counted = True
 
     def watch(self, stage: Stage, source: str) -> Props:
-        """Once a control period: a scene that has just been finished is somebody's run. Returns
-        where its props are."""
+        """Once a control period: a scene that has just been finished is somebody's run, unless the
+        robot was pushed meanwhile. Returns where its props are."""
         if not stage.finished:
             self._counted = False
         elif not self._counted:
             self._counted = True
             run = stage.progress()
-            if self.person:
+            if self.person and not stage.pushed:
                 args = stage.name, self.person, run["score"], run["time_s"]
                 self._writer.do(lambda: self._best.add(*args, source.partition(":")[0]))
         poses = stage.prop_poses()

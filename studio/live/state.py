@@ -156,6 +156,9 @@ KEYS: dict[str, Key] = {
     "progress": Key(Progress, lambda seen: seen.runtime.puppeteer.stage.progress()),
     "person": Key(str, lambda seen: seen.runtime.runs.person),
     "props": Key(dict[str, list[float]], Seen.props),
+    "push": Key(
+        list[float], lambda seen: seen.runtime.puppeteer.stage.push_force.round(2).tolist()
+    ),
     "latency_ms": Key(dict[str, float], lambda seen: seen.tick_message["timings_ms"]),
     "period_error_ms": Key(dict[str, float], Seen.punctuality),
     "robot": Key(Pose, lambda seen: part("robot", seen.tick.robot, "trace")),

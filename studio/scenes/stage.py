@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypedDict
 
 from studio import geometry, metrics
@@ -13,6 +13,7 @@ from studio.scenes.registry import scene as scene_of
 from studio.scenes.scene import Seen, Step
 from studio.scenes.thrower import Thrower
 from studio.sim.prop_world import PropPoses, PropWorld
+from studio.sim.pull import Pull
 from studio.sim.world import World
 
 Array = NDArray[np.float64]
@@ -66,6 +67,7 @@ class Stage:
         self.name, self.scene = name, scene_of(name)
         props = self.scene.props
         self.world = PropWorld(props, seed) if props else World(seed=seed)
+        self._pull = Pull()
         x, y, yaw = self.scene.start
         self.start: tuple[Array, float] = (np.array([x, y]), yaw)
         self._clear()
@@ -88,12 +90,24 @@ class Stage:
 
     def step(self, target: Array) -> RobotState:
         """One control period of the world towards joint targets (12,) rad, and what came of it."""
+        self._pull.step(self.world)
         state = self.world.step(target)
         if isinstance(self.world, PropWorld):
             self.seen = self._look(self.world, state)
             if self.step_now is not None and self.failed is None:
                 self._play(self.world, self.step_now, self.seen)
         return state
+
+    def push(self, force: ArrayLike, seconds: float) -> None:
+        """Somebody's hand at the trunk (`sim.pull`): (3,) N, world, for so long. The run is no
+        longer the driver's alone."""
+        self._pull.ask(force, seconds)
+        self.pushed = True
+
+    @property
+    def push_force(self) -> Array:
+        """(3,) N, world: what pushes the robot now."""
+        return self._pull.force
 
     def prop_poses(self) -> PropPoses | None:
         """Where props are; None without any. Of the thread that steps."""
@@ -152,7 +166,8 @@ class Stage:
     def _clear(self) -> None:
         self.done: list[Done] = []
         self.failed: str | None = None
-        self.time, self.penalty = 0.0, 0.0
+        self.time, self.penalty, self.pushed = 0.0, 0.0, False
+        self._pull.let_go()
         self.seen: Seen | None = None
         self._begun, self._held, self._step_t = False, 0.0, 0.0
         self._touched_at: dict[str, float] = {}

@@ -11,10 +11,12 @@ import { FilmButton } from "./film-button.js";
 import { Guide } from "./guide.js";
 import { drawHealth } from "./health.js";
 import { TickHistory } from "./history.js";
+import { drawControl, takeOrGive } from "./holding.js";
 import { Keyboard } from "./keys.js";
 import { ControlLine, ticks } from "./net.js";
 import { startPad } from "./pad.js";
 import { Palette } from "./palette.js";
+import { PushDoor } from "./push-door.js";
 import { SceneDoor } from "./scene-door.js";
 import { Shortcuts } from "./shortcuts.js";
 import { SourcePanel } from "./source.js";
@@ -109,8 +111,13 @@ const guide = new Guide({
   train: collect.keepAndTrain,
 });
 $("#guide-again").addEventListener("click", guide.begin);
+const push = new PushDoor(studio, () => view);
+/** @type {View} */
 const view = new View({
-  listen: (target) => keyboard.listen(target),
+  listen: (target) => {
+    keyboard.listen(target);
+    push.listen(target);
+  },
   ready: () => $("#veil").classList.add("gone"),
   drag: drops.drag,
   newest: () => studio.tick,
@@ -134,6 +141,7 @@ keyboard.also({
   ...collect.keys,
   ...oneOf(transport.keys, review.keys),
   ...scenes.keys,
+  ...push.keys,
   ...view.keys,
   T: otherTheme,
   H: () => $("#record").click(),
@@ -171,16 +179,10 @@ function otherTheme() {
   setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
 }
 
-/** Whether this page drives. @param {State | null} state */
-const driven = (state) => state !== null && state.control.holder === api.page;
-
 /** Take control, or give it up. */
 async function takeControl() {
-  const mine = driven(studio.state);
-  const action = mine ? "release" : "take";
-  studio.state = await api.post("/api/control", { page: api.page ?? "", action });
-  toast(mine ? "Control given up" : "You have control", "good");
-  drawState(studio.state);
+  await takeOrGive(studio);
+  if (studio.state) drawState(studio.state);
 }
 
 // What changes thirty times a second …
@@ -204,7 +206,7 @@ ticks((tick) => {
 function drawState(state) {
   drawStatus(state, api.page);
   view.beside(Object.keys(state.props).length > 0);
-  drawControl(state);
+  drawControl(studio, state);
   drawStyle(state);
   controls.draw(state);
   source.draw(state);
@@ -214,20 +216,6 @@ function drawState(state) {
   review.draw(state);
   collect.draw(state);
   guide.draw(state);
-}
-
-/** @param {State} state */
-function drawControl(state) {
-  const mine = driven(state);
-  const { holder, pages } = state.control;
-  const others = pages.length - 1;
-  $("#control").dataset.held = mine ? "you" : holder ? "other" : "none";
-  const driving = others > 0 ? `You drive · ${others} watching` : "You drive";
-  text($("#control"), mine ? driving : "Take control");
-  document.body.dataset.role = mine ? "drive" : "watch";
-  $("#watching").hidden = mine;
-  const who = holder ? "Another page drives" : "Nobody drives";
-  text($("#watching span"), `You are watching. ${who}; this page can only stop.`);
 }
 
 // … and four times.

@@ -12,6 +12,7 @@ const BUTTONS = /** @type {const} */ ([
   [".cameras button", "Camera: ", ["1", "2", "3", "4", "5", "6"]],
   ["#figures button", "Show or hide: "],
   ["#record", "", ["H"]],
+  ["#push", "Tool: ", ["7"]],
   ["#keys-drive", ""],
   ["#sample", ""],
   ["#vmc", ""],

@@ -71,7 +71,7 @@ export class View {
     }
     let shown = false;
     const each = () => {
-      const viser = this.#inside;
+      const viser = this.viser;
       this.#connected = viser !== null && this.#place(viser);
       if (viser && this.#connected && !shown) {
         shown = true;
@@ -90,19 +90,19 @@ export class View {
   }
 
   /** viser's own state, once its frame has loaded. @returns {Viser | null} */
-  get #inside() {
+  get viser() {
     return this.#window?.__viserMutable ?? null;
   }
 
   /** What viser draws on, with the words over it; null before it draws. */
   get picture() {
-    const canvas = this.#inside?.canvas;
+    const canvas = this.viser?.canvas;
     return canvas ? { canvas, captions: this.#captions } : null;
   }
 
   /** Load the view anew, unless it is up. */
   reload() {
-    if (!this.#inside || !this.#connected) this.#frame.src = "/view/";
+    if (!this.viser || !this.#connected) this.#frame.src = "/view/";
   }
 
   /** The frame is as dark or light as the page. */
@@ -125,7 +125,7 @@ export class View {
 
   /** @param {CameraName} name @param {boolean} [glide] */
   look(name, glide = true) {
-    const viser = this.#inside;
+    const viser = this.viser;
     if (!viser?.cameraControl) return;
     this.#camera.name = name;
     const aspect = this.#frame.clientWidth / this.#frame.clientHeight;

@@ -414,6 +414,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/push": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Push
+         * @description A force on the simulated robot's trunk: [x, y, z] N in the world, at most 60 N long, for so
+         *     many seconds, in place of the one before; [0, 0, 0] lets go. A stop lets go, too. It is in no
+         *     take: what the robot did is, so that a replay shows it, and a take driven anew is not pushed.
+         */
+        post: operations["push_api_push_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/takes/start": {
         parameters: {
             query?: never;
@@ -1934,6 +1956,8 @@ export interface components {
             props: {
                 [key: string]: number[];
             };
+            /** Push */
+            push: number[];
             /** Latency Ms */
             latency_ms: {
                 [key: string]: number;
@@ -2205,6 +2229,25 @@ export interface components {
             task: "quiet" | "tilt" | "crouch" | "manipulate_right" | "manipulate_left" | "tilt_manipulate" | "walk" | "turn" | "march" | "sit_quiet" | "sit_tilt" | "sit_manipulate";
             /** Why */
             why: string;
+        };
+        /**
+         * Push
+         * @description A force on the simulated robot's trunk: [x, y, z] N in the world, at most 60 N long, for so
+         *     many seconds, in place of the one before; [0, 0, 0] lets go. A stop lets go, too. It is in no
+         *     take: what the robot did is, so that a replay shows it, and a take driven anew is not pushed.
+         */
+        Push: {
+            /** Force */
+            force: [
+                number,
+                number,
+                number
+            ];
+            /**
+             * Seconds
+             * @default 0.3
+             */
+            seconds?: number;
         };
         /**
          * Quality
@@ -2689,6 +2732,8 @@ export interface components {
             props: {
                 [key: string]: number[];
             };
+            /** Push */
+            push: number[];
             /** Latency Ms */
             latency_ms: {
                 [key: string]: number;
@@ -3165,6 +3210,8 @@ export interface components {
             props: {
                 [key: string]: number[];
             };
+            /** Push */
+            push: number[];
             /** Latency Ms */
             latency_ms: {
                 [key: string]: number;
@@ -3929,6 +3976,39 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["SetPerson"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["State"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    push_api_push_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Push"];
             };
         };
         responses: {

@@ -90,6 +90,8 @@ export interface Vector {
   z: number;
   clone(): Vector;
   project(camera: unknown): Vector;
+  unproject(camera: unknown): Vector;
+  toArray(): number[];
 }
 
 export interface Node3D {
@@ -97,6 +99,7 @@ export interface Node3D {
   position: Vector;
   getWorldPosition(into: Vector): Vector;
   localToWorld(point: Vector): Vector;
+  worldToLocal(point: Vector): Vector;
 }
 
 export interface ViewWindow extends Window {

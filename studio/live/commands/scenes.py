@@ -1,14 +1,17 @@
-"""What stands around the robot, and who plays."""
+"""What stands around the robot, who plays, and a hand that pushes the robot."""
 
+import math
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from studio.errors import StudioError
 from studio.live.best_runs import MAX_NAME, checked_name
-from studio.live.command import Command, Made, OneOf, with_why
+from studio.live.command import Command, Made, Number, OneOf, with_why
 from studio.options import SCENES
 from studio.scenes.stage import Stage
+from studio.sim.pull import MAX_FORCE, MAX_SECONDS
 
 if TYPE_CHECKING:
     from studio.live.runtime import Runtime
@@ -45,4 +48,31 @@ class SetPerson(Command):
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Remember it."""
         runtime.runs.person = self.name
+        return {}
+
+
+class Push(Command):
+    """A force on the simulated robot's trunk: [x, y, z] N in the world, at most 60 N long, for so
+    many seconds, in place of the one before; [0, 0, 0] lets go. A stop lets go, too. It is in no
+    take: what the robot did is, so that a replay shows it, and a take driven anew is not pushed."""
+
+    path: ClassVar[str] = "push"
+    force: tuple[Number, Number, Number]
+    seconds: Number = Field(default=0.3, ge=0.0, le=MAX_SECONDS)
+
+    @model_validator(mode="after")
+    def _within_reason(self) -> "Push":
+        if math.hypot(*self.force) > MAX_FORCE:
+            why = f"a push has at most {MAX_FORCE:g} N"
+            raise PydanticCustomError("misfit", "{why}", {"why": why})
+        return self
+
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
+        """Push from the next period on. StudioError where the robot is stopped, or shows a take or
+        what is to be acted out."""
+        if runtime.safety.stopped:
+            raise StudioError(f"{runtime.safety.stop_line}; then push")
+        if runtime.mode in ("replay", "collect"):
+            raise StudioError(f"mode {runtime.mode} is no time to push: choose mode live first")
+        runtime.puppeteer.stage.push(self.force, self.seconds)
         return {}

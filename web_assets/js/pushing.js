@@ -1,0 +1,152 @@
+// A push: from the simulated robot to the pointer an arrow, and a force that way while it is held.
+
+import { $, text, toast } from "./dom.js";
+import { toThree } from "./view-camera.js";
+import { capital } from "./words.js";
+
+/** @import { Viser } from "../types/page.js" */
+/** @import { Studio } from "./studio.js" */
+/** @import { View } from "./view.js" */
+
+/** N for each m of the arrow, and at most (`sim/pull.py`). */
+const STIFF = 120;
+const MOST = 60;
+/** ms between two pushes; s that one lasts, should no other come. */
+const EVERY = 100;
+const LASTS = 0.35;
+/** ms after which a page knows of a stop. */
+const SAID = 400;
+/** m around the robot's middle in which it is taken hold of; at least so many px. */
+const REACH = 0.4;
+const LEAST = 40;
+
+/**
+ * The force (N) of an arrow (m), level.
+ *
+ * @param {number} x @param {number} y @returns {[number, number, number]}
+ */
+export function forceOf(x, y) {
+  const long = Math.hypot(x, y);
+  const share = long ? Math.min(STIFF * long, MOST) / long : 0;
+  return [share * x, share * y, 0];
+}
+
+/**
+ * Where a ray from an eye through a point meets the level plane of a height: x, y. One that does
+ * not goes far.
+ *
+ * @param {number[]} eye @param {number[]} through @param {number} height
+ */
+export function meets(eye, through, height) {
+  const way = through.map((c, i) => c - eye[i]);
+  const far = (height - eye[2]) / way[2];
+  const reach = Number.isFinite(far) && far > 0 ? far : 10 / Math.hypot(...way);
+  return [eye[0] + reach * way[0], eye[1] + reach * way[1]];
+}
+
+export class Pusher {
+  /** @type {[number, number, number]} */
+  #force = [0, 0, 0];
+  #arrow = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+  #line = document.createElementNS("http://www.w3.org/2000/svg", "line");
+  #label = document.createElementNS("http://www.w3.org/2000/svg", "text");
+
+  /** @param {Studio} studio @param {View} view */
+  constructor(studio, view) {
+    this.studio = studio;
+    this.view = view;
+    this.#arrow.classList.add("push-arrow");
+    this.#arrow.setAttribute("aria-hidden", "true");
+    this.#arrow.append(this.#line, this.#label);
+  }
+
+  /** Where the robot is drawn, m, z up. @param {Viser} viser */
+  #middle({ nodeRefFromName }) {
+    const [figure, caption] = [nodeRefFromName["/robot"], nodeRefFromName["/robot/caption"]];
+    const tick = this.studio.tick;
+    if (!figure || !caption || !tick) return null;
+    const { position: by } = figure;
+    return [caption.position.x + by.x, caption.position.y + by.y, tick.robot.base_pos[2] + by.z];
+  }
+
+  /** A point (m) on the screen, px. @param {Viser} viser @param {number[]} point */
+  #onScreen(viser, point) {
+    const { x, y } = toThree(viser, point).project(viser.camera);
+    const { clientWidth, clientHeight } = viser.canvas;
+    return [((x + 1) / 2) * clientWidth, ((1 - y) / 2) * clientHeight];
+  }
+
+  /**
+   * Take hold where the pointer went down.
+   *
+   * @param {Window} inner @param {PointerEvent} event @param {PointerEvent} [now] where it is
+   */
+  begin(inner, event, now = event) {
+    const viser = this.view.viser;
+    const middle = viser && this.#middle(viser);
+    if (!viser || !middle) return;
+    const [x, y] = this.#onScreen(viser, middle);
+    const [, above] = this.#onScreen(viser, [middle[0], middle[1], middle[2] + REACH]);
+    const reach = Math.max(LEAST, Math.abs(y - above));
+    if (Math.hypot(event.clientX - x, event.clientY - y) > reach) {
+      toast("Take hold of the simulated robot to push it");
+      return;
+    }
+    $(".stage").append(this.#arrow);
+    const move = (/** @type {PointerEvent} */ { clientX, clientY }) =>
+      this.#aim(viser, clientX, clientY);
+    const end = () => {
+      clearInterval(timer);
+      inner.removeEventListener("pointermove", move);
+      for (const kind of ["pointerup", "pointercancel", "blur"])
+        inner.removeEventListener(kind, end);
+      this.#arrow.remove();
+      this.#force = [0, 0, 0];
+      if (!this.studio.state?.stopped) this.#send().catch(() => {});
+    };
+    let waits = false;
+    const timer = setInterval(async () => {
+      if (this.studio.state?.stopped) return end();
+      if (waits) return;
+      waits = true;
+      await this.#send().catch((error) => {
+        end();
+        // A stop says itself that it came in between.
+        setTimeout(() => this.studio.state?.stopped || toast(capital(error.message)), SAID);
+      });
+      waits = false;
+    }, EVERY);
+    inner.addEventListener("pointermove", move);
+    for (const kind of ["pointerup", "pointercancel", "blur"]) inner.addEventListener(kind, end);
+    this.#aim(viser, now.clientX, now.clientY);
+  }
+
+  #send() {
+    return this.studio.api.post("/api/push", { force: this.#force, seconds: LASTS });
+  }
+
+  /** @param {Viser} viser @param {number} px @param {number} py */
+  #aim(viser, px, py) {
+    const middle = this.#middle(viser);
+    const root = viser.nodeRefFromName[""];
+    if (!middle || !root) return;
+    const { camera, canvas } = viser;
+    const ndc = {
+      x: (2 * px) / canvas.clientWidth - 1,
+      y: 1 - (2 * py) / canvas.clientHeight,
+      z: 0.5,
+    };
+    const [eye, through] = [
+      camera.position.clone(),
+      Object.assign(camera.position.clone(), ndc).unproject(camera),
+    ].map((point) => root.worldToLocal(point).toArray());
+    const at = meets(eye, through, middle[2]);
+    this.#force = forceOf(at[0] - middle[0], at[1] - middle[1]);
+    const [x, y] = this.#onScreen(viser, middle);
+    const ends = { x1: x, y1: y, x2: px, y2: py };
+    for (const [name, value] of Object.entries(ends)) this.#line.setAttribute(name, `${value}`);
+    this.#label.setAttribute("x", `${px + 12}`);
+    this.#label.setAttribute("y", `${py - 8}`);
+    text(this.#label, `${Math.hypot(...this.#force).toFixed(0)} N`);
+  }
+}
