@@ -27,7 +27,7 @@ TOUR = "operator"
 """Animated; the others make a library of takes."""
 DRIVEN = {TOUR: 45, "operator:sit_manipulate": 12, "operator:walk": 12, "operator:crouch": 9}
 """Sources that are recorded, s of each."""
-ANIMATED = (20.0, 8.0, 720)
+ANIMATED = (20.0, 6.0, 720)
 """s, frames a second, px wide."""
 
 NO_SPARING = """
@@ -41,7 +41,7 @@ NO_SPARING = """
 
 def shot(page: Any, folder: Path, name: str) -> None:
     """The page as it is, once nothing of it is on its way."""
-    for _ in range(240):  # what came late on a busy machine comes at once
+    for _ in range(120):  # what came late on a busy machine comes at once
         if 28 <= float(page.inner_text("#chip-fps b")) <= 32:
             break
         page.wait_for_timeout(250)
@@ -84,7 +84,10 @@ def collecting(page: Any, served: Served, folder: Path) -> None:
     click(page, '[data-action="go"]')
     until(page, "() => a1studio.state.collect.phase === 'preview' && a1studio.state.collect.t > 2")
     shot(page, folder, "collect_dark")
-    click(page, '[data-action="abort"]')
+    served.client.post("/api/mode", json={"mode": "live"})
+    until(page, "() => a1studio.state.mode === 'live'")
+    click(page, '#mode [data-mode="collect"]')
+    until(page, "() => a1studio.state.mode === 'collect'")
 
 
 def reviewing(page: Any, folder: Path) -> None:
@@ -102,6 +105,7 @@ def reviewing(page: Any, folder: Path) -> None:
     shot(page, folder, "review_dark")
     page.keyboard.press("j")
     click(page, "#bench-close")
+    until(page, "() => a1studio.state.mode === 'collect'")
 
 
 def library(page: Any, served: Served, folder: Path) -> None:

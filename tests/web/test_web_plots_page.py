@@ -91,6 +91,8 @@ def test_a_take_under_review_is_plotted_and_plot_and_timeline_go_to_the_same_tim
     # Where the take is, from the first drawing on.
     until(live, f"() => Math.abs(({LINE})() - 0.2) < 0.01 && !({LEGEND})().includes('–')")
     live.select_option("#plot-what", "roll")
+    live.wait_for_timeout(500)
+    assert "–" not in live.evaluate(LEGEND)
     box = live.locator("#plot .u-over").bounding_box()
     # The plot is pressed: the take goes there, and the line with it.
     live.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 40)

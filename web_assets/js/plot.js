@@ -39,7 +39,8 @@ export class Plot {
     this.#plot = new uPlot(
       {
         ...this.#size,
-        hooks: { draw: [(plot) => this.#place(plot)] },
+        // uPlot's own cursor, where it points at nothing, clears the values.
+        hooks: { draw: [this.#place], setCursor: [this.#place], ready: [this.#place] },
         cursor: { drag: { x: false, y: false } },
         scales: { x: { time: false, range } },
         axes: [
@@ -98,12 +99,12 @@ export class Plot {
   }
 
   /** Again with every drawing: until the first, and when the width changes, places do. */
-  #place(/** @type {uPlot} */ plot) {
+  #place = (/** @type {uPlot} */ plot) => {
     if (this.#t === null) return;
     this.#now.hidden = false;
     setStyle(this.#now, { left: `${plot.valToPos(this.#t, "x")}px` });
     if ((plot.cursor.left ?? -1) < 0) plot.setLegend({ idx: plot.valToIdx(this.#t) });
-  }
+  };
 
   fit() {
     this.#plot.setSize(this.#size);
