@@ -107,7 +107,7 @@ class BenchConfig:
     page: bool = True
     """Also start a server, connect four clients and measure the loop's periods."""
     browser: bool = True
-    """Also measure them beside a Chromium that draws the page (needs one)."""
+    """Also measure them beside a Chromium that draws the page, and the page itself (needs one)."""
     floods: bool = True
     """Also measure how soon a stop is answered while clients flood the server."""
     training: bool = True

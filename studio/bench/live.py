@@ -1,29 +1,18 @@
 """How the live loop keeps time: with four socket clients, and beside a Chromium that draws."""
 
-import json
 import os
-import shutil
-import subprocess
-import tempfile
 import threading
 import time
 from pathlib import Path
 from typing import Any
-from urllib.request import urlopen
 
-from studio.bench.served import PAGE_LIMIT, TOKEN, VIEW, end, page_socket, served
+from studio.bench.browser import MISSING, browser, found
+from studio.bench.served import PAGE_LIMIT, TOKEN, VIEW, page_socket, served
 from studio.errors import StudioError
 
 CLIENTS = 4
 WARM_UP = 5.0
 """s that the browser draws before anything is counted: it compiles and fetches meshes first."""
-BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-FLAGS = (
-    "--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
-    "--ignore-gpu-blocklist", "--disable-quic", "--no-first-run", "--disable-component-update",
-    "--disable-background-networking", "--disable-sync", "--remote-debugging-port=0",
-    "--window-size=1280,800",
-)  # fmt: skip
 _COUNT_FRAMES = """new Promise(done => {
   const view = document.querySelector('#view').contentWindow, began = performance.now();
   let count = 0;
@@ -64,55 +53,24 @@ def loop_beside_browser(seconds: float) -> dict[str, Any]:
 
     {"skipped": why} where there is none. The window of the figures is the last 10 s.
     """
-    browser = next(filter(None, map(shutil.which, BROWSERS)), None)
-    if browser is None:
-        return {"skipped": f"no browser found ({', '.join(BROWSERS)}): install chromium"}
-    # A browser that is told to go may still write into its profile while that is removed.
-    with (
-        served() as server,
-        tempfile.TemporaryDirectory(prefix="a1-browser-", ignore_cleanup_errors=True) as profile,
-    ):
-        page = subprocess.Popen(
-            [browser, *FLAGS, f"--user-data-dir={profile}", server.url],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        try:
-            _wait(lambda: server.state()["control"]["pages"], "the page did not open its socket")
-            time.sleep(WARM_UP)
-            before = server.state()["counters"]
-            drawn = _frame_rate(Path(profile), seconds)
-            state = server.state()
-        finally:
-            end(page)
+    path = found()
+    if path is None:
+        return {"skipped": MISSING}
+    with served() as server, browser(server.url) as page:
+        _wait(lambda: server.state()["control"]["pages"], "the page did not open its socket")
+        time.sleep(WARM_UP)
+        before = server.state()["counters"]
+        asked = _COUNT_FRAMES.replace("MS", str(round(1e3 * seconds)))
+        drawn = float(page.evaluate(asked, seconds + PAGE_LIMIT))
+        state = server.state()
     after = state["counters"]
     return {
-        "browser": Path(browser).name,
+        "browser": Path(path).name,
         "frames_drawn_per_second": drawn,
         "period_error_ms": state["period_error_ms"],
         "late": after["late"] - before["late"],
         "frames": after["frames"] - before["frames"],
     }
-
-
-def _frame_rate(profile: Path, seconds: float) -> float:
-    """Frames a second that the 3-D view draws over `seconds`: asked of it by a DevTools socket."""
-    from websockets.sync.client import connect
-
-    port = int((profile / "DevToolsActivePort").read_text().split()[0])
-    with urlopen(f"http://127.0.0.1:{port}/json", timeout=5.0) as answer:
-        pages = [page for page in json.load(answer) if page["type"] == "page"]
-    asked = {
-        "expression": _COUNT_FRAMES.replace("MS", str(round(1e3 * seconds))),
-        "awaitPromise": True,
-        "returnByValue": True,
-    }
-    with connect(pages[0]["webSocketDebuggerUrl"], proxy=None, max_size=None) as devtools:
-        devtools.send(json.dumps({"id": 1, "method": "Runtime.evaluate", "params": asked}))
-        while True:
-            said = json.loads(devtools.recv(timeout=seconds + PAGE_LIMIT))
-            if said.get("id") == 1:
-                return float(said["result"]["result"]["value"])
 
 
 def _listen(port: int, pid: int, seconds: float) -> tuple[list[int], list[int], float | None]:

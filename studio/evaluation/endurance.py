@@ -17,6 +17,7 @@ from studio.evaluation.long_drive import LIE_S, WINDOW, Case, Run, endure
 from studio.evaluation.options import TableOptions
 from studio.evaluation.tracking import CACHE
 from studio.options import ControllerName
+from studio.retarget.settings import joint_speed
 from studio.robot.a1 import CONTROL_DT
 from studio.synthetic.impaired import BRISK, TRAVELLER
 from studio.training.machine import commit
@@ -63,6 +64,9 @@ class Options(TableOptions):
     """Only the cases with this source: operator, operator:walk, brisk or travel."""
     controller: ControllerName | None = None
     """Only the cases with this controller."""
+    max_joint_speed: float | None = None
+    """Degrees a second that standing and sitting references' joints may reach (default: the
+    paper's 120)."""
     threads: int = 0
     """Processes to use; 0: one a core."""
 
@@ -72,13 +76,19 @@ def run_endurance(options: Options = Options(), *, cache: Path | None = CACHE) -
 
     Each person's run is kept in `cache`: a table that was cut off goes on where it stopped.
     """
-    given = {"people": options.episodes, "seconds": options.seconds}
+    given = {
+        "people": options.episodes,
+        "seconds": options.seconds,
+        "max_joint_speed": options.max_joint_speed,
+    }
     changed = {name: value for name, value in given.items() if value is not None}
     cases = [
         replace(case, **changed)
         for case in CASES
         if options.source in (None, case.source) and options.controller in (None, case.controller)
     ]
+    if options.max_joint_speed is not None:
+        joint_speed(options.max_joint_speed)  # says what is out of its range
     if not cases:
         known = sorted({f"{c.source} by {c.controller}" for c in CASES})
         raise StudioError(f"no such case: choose source and controller of {', '.join(known)}")
@@ -116,6 +126,7 @@ def row(case: Case, runs: list[Run], seed: int) -> dict[str, Any]:
         "dynamics": case.dynamics,
         "sensor": case.sensor,
         "holds": case.holds,
+        "max_joint_speed_deg_s": case.max_joint_speed,
         "goal": goal(case),
         "seed": seed,
         "episodes": len(runs),

@@ -20,8 +20,9 @@ from studio.control.drive_command import PuppeteerConfig
 from studio.control.policy import Policy
 from studio.control.staleness import stale_command
 from studio.evaluation.behind import met
-from studio.options import ControllerName
+from studio.options import PAPER_JOINT_SPEED_DEG, ControllerName
 from studio.reference.intent import STATES, StateName
+from studio.retarget.settings import joint_speed
 from studio.rl.noise import NoiseConfig
 from studio.robot.a1 import CONTROL_DT
 from studio.sim import randomize
@@ -48,13 +49,15 @@ HOLDS: dict[str, dict[str, float]] = {
 class Case:
     """One row. source: a spec of the operator, or BRISK. sensor: a name of IMPAIRMENTS. dynamics:
     those of the robot the policies were made for, or draws of Table I and its cheap sensors
-    (`rl.noise`). holds: a name of HOLDS. people, seconds: who drives it, each for how long."""
+    (`rl.noise`). holds: a name of HOLDS. max_joint_speed: degrees/s that standing and sitting
+    references' joints may reach. people, seconds: who drives it, each for how long."""
 
     source: str = "operator:walk"
     controller: ControllerName = "policy"
     dynamics: DynamicsName = "nominal"
     sensor: str = "mocap"
     holds: str = "shipped"
+    max_joint_speed: float = PAPER_JOINT_SPEED_DEG
     people: int = 20
     seconds: float = 300.0
 
@@ -72,7 +75,10 @@ class Run:
 def endure(case: Case, seed: int) -> Run:
     """One person, drawn from `seed`, drives for `case.seconds`."""
     source = sent_by(case.sensor, case.source, seed)
-    puppeteer = met(source, PuppeteerConfig(controller=case.controller, seed=seed))
+    config = PuppeteerConfig(
+        controller=case.controller, seed=seed, joint_speed=joint_speed(case.max_joint_speed)
+    )
+    puppeteer = met(source, config)
     puppeteer.controller = _controller(case, seed)
     if case.dynamics == "table_i":
         links = int(np.count_nonzero(puppeteer.world.model.body_mass > 0.0))

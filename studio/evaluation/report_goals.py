@@ -127,9 +127,28 @@ def _on(
     )
 
 
+def _means(row: Row, means: str) -> bool:
+    return row["controller"] == "policy" and row["means"] == means
+
+
+def _walking(
+    means: str, words: str, figure: Callable[[Rows], float], limit: float, unit: str
+) -> Goal:
+    return Goal(
+        words=words,
+        table="walk",
+        who=lambda r: _means(r, means),
+        worst=figure,
+        limit=limit,
+        at_least=False,
+        unit=unit,
+    )
+
+
 _STILL = ("stand", "sit")
 _TILT = _furthest("commanded_deg", "achieved_deg")
 _SPEED = _furthest("commanded_m_s", "achieved_m_s")
+_SIDE = _furthest("commanded_side_m_s", "achieved_side_m_s")
 _TURN = _furthest("commanded_deg_s", "achieved_deg_s")
 SIT_RANGES = {"pitch": (30, 4.0), "roll": (15, 4.0), "yaw": (7, 3.5)}
 """Degrees asked, and how far off it may be: never more than half, or standing still would do."""
@@ -200,12 +219,15 @@ GOALS: tuple[Goal | Beats, ...] = (
     *map(_sit_range, SIT_RANGES),
     _on("reach", "a paw sitting", ("sit",), _least("paw_m"), 0.8, True, " m"),
     _on("reach", "a paw standing (must fail)", ("stand",), _most("paw_m"), 0.8, False, " m"),
-    _on("walk", "speeds 0 to 0.97 m/s, off by", (), _SPEED, 0.1, False, " m/s"),
-    _on("walk", "turns of ±15°/s, off by", (), _TURN, 3.0, False, "°/s"),
+    _walking("march", "speeds 0 to 0.97 m/s, off by", _SPEED, 0.1, " m/s"),
+    _walking("march", "turns of ±15°/s, off by", _TURN, 3.0, "°/s"),
+    _walking("through space", "backward and turning, off by", _SPEED, 0.1, " m/s"),
+    _walking("through space", "sideways, off by", _SIDE, 0.1, " m/s"),
+    _walking("through space", "turns of ±30 and ±60°/s, off by", _TURN, 6.0, "°/s"),
     Goal(
         words="drift, of the way",
         table="walk",
-        who=lambda r: r["controller"] == "policy" and r["drift_share"] is not None,
+        who=lambda r: _means(r, "march") and r["drift_share"] is not None,
         worst=_most("drift_share", 100.0),
         limit=5.0,
         at_least=False,

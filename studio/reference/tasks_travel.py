@@ -54,6 +54,11 @@ def _travel(rng: np.random.Generator, seconds: float, difficulty: float) -> Inte
     for k in range(1, length):
         middle = middle + share * (wanted[k] - middle)
         velocity[k] = velocity[k - 1] + share * (middle - velocity[k - 1])
+    return travel_track(velocity)
+
+
+def travel_track(velocity: Array) -> IntentTrack:
+    """The walk of (T, 3), a period each: m/s ahead, m/s to the left, rad/s to the left."""
     stepper, intents = Stepper("travel"), []
     for forward, side, turn in velocity.tolist():
         goes = math.hypot(forward, side) + 0.2 * abs(turn) > _SETTLED
@@ -61,7 +66,7 @@ def _travel(rng: np.random.Generator, seconds: float, difficulty: float) -> Inte
         intents.append(stepper.step(CONTROL_DT, cadence, forward, side, turn))
     names = ("phase", "cadence", "lift", "speed", "side", "turn")
     rows = {name: np.array([getattr(i, name) for i in intents]) for name in names}
-    return make_track("walk", "travel", length, CONTROL_DT, **rows)
+    return make_track("walk", "travel", len(velocity), CONTROL_DT, **rows)
 
 
 TRAVEL = Task(name="travel", state="walk", draw=_travel)

@@ -5,6 +5,7 @@ calibration of the last take and the names of the takes. Takes do not depend on 
 the grouping only.
 """
 
+import contextlib
 from datetime import date, datetime
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,8 @@ from studio.takes.names import check_name, slug
 from studio.takes.untrusted import read_json
 
 FOLDER = ".sessions"
+MOST_OPERATOR = 60
+"""Characters, as of a plan."""
 
 
 class CollectSession(msgspec.Struct, kw_only=True):
@@ -89,6 +92,26 @@ class SessionBook:
             session.takes.append(take)
         self._write(session)
         return session
+
+    def rejoin(self, take: str, about: dict[str, Any], day: str) -> None:
+        """Put a take from elsewhere into the session that its meta.json names, if it names one.
+
+        about: what meta.json says the take was recorded as. day: YYYY-MM-DD, of a session that is
+        begun for it. Losing this loses the grouping only: what does not fit is left.
+        """
+        collected = about.get("collect")
+        said = collected if isinstance(collected, dict) else {}
+        name, operator = str(said.get("session") or ""), str(said.get("operator") or "")
+        if not name or len(operator) > MOST_OPERATOR:
+            return
+        with contextlib.suppress(StudioError):
+            if self._path(name).is_file():
+                session = self.read(name)
+            else:
+                session = CollectSession(name=name, operator=operator, day=day)
+            if take not in session.takes:
+                session.takes.append(take)
+                self._write(session)
 
     def _path(self, name: str) -> Path:
         return self.folder / f"{check_name(name, 'session')}.json"

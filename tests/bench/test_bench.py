@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 from fake_clock import FakeClock
 
+from studio.bench import browser as bench_browser
 from studio.bench import live as bench_live
+from studio.bench import page as bench_page
 from studio.bench import training
 from studio.bench.run import compare, percentiles, run_bench
 from studio.bench.stop import MORE, stop_latency
@@ -120,9 +122,37 @@ def test_stops_are_answered_by_both_ways_beside_pages_a_training_imports_and_a_f
             assert 0.0 < case[way]["p50"] <= case[way]["p95"] <= case[way]["p99"]
 
 
-def test_without_a_browser_the_loop_beside_one_is_skipped_and_says_so(monkeypatch):
-    monkeypatch.setattr(bench_live.shutil, "which", lambda _: None)
-    assert "install chromium" in bench_live.loop_beside_browser(1.0)["skipped"]
+def test_without_a_browser_what_needs_one_is_skipped_and_says_so(monkeypatch):
+    monkeypatch.setattr(bench_browser.shutil, "which", lambda _: None)
+    for measure in (bench_live.loop_beside_browser, bench_page.page):
+        assert "install chromium" in measure(1.0)["skipped"]
+
+
+def test_of_a_trace_the_tasks_of_a_page_s_main_thread_count_and_no_others():
+    name = {"name": "thread_name", "pid": 7}
+    task = {"name": "ThreadControllerImpl::RunTask", "pid": 7}
+    events = [
+        {**name, "tid": 1, "args": {"name": "CrRendererMain"}},
+        {**name, "tid": 2, "args": {"name": "Compositor"}},
+        {**task, "tid": 1, "dur": 1500},
+        {**task, "tid": 2, "dur": 90_000},
+        {**task, "tid": 1, "pid": 8, "dur": 80_000},
+        {"name": "V8.GC", "pid": 7, "tid": 1, "dur": 70_000},
+    ]
+    assert bench_browser.main_thread_ms(events) == [1.5]
+
+
+@pytest.mark.browser
+def test_the_page_is_measured_as_it_starts_and_draws(monkeypatch):
+    monkeypatch.setattr(bench_page, "WARM_UP", 1.0)
+    figures = bench_page.page(4.0)
+    if "skipped" in figures:
+        pytest.skip(figures["skipped"])
+    assert figures["ready_s"] > 0.0
+    assert 50_000 < figures["own_js_bytes"] < 150_000
+    assert 0.0 < figures["updates_per_second"] <= figures["frames_per_second"]
+    assert figures["longest_block_ms"] > 0.0
+    assert 0.0 <= figures["blocked_share"] <= 1.0
 
 
 @pytest.mark.browser

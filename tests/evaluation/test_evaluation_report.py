@@ -13,7 +13,10 @@ from studio.evaluation.report import Report, _episodes, load, make, page
 
 def walk_rows(achieved: float) -> list[dict[str, object]]:
     common = {"seed": 0, "episodes": 1, "drift_share": 0.04, "survived": True}
-    speeds = {"commanded_m_s": 0.5, "commanded_deg_s": 0.0, "achieved_deg_s": 1.0}
+    speeds = {
+        "means": "march", "commanded_m_s": 0.5, "commanded_deg_s": 0.0, "achieved_deg_s": 1.0,
+        "commanded_side_m_s": 0.0, "achieved_side_m_s": 0.02,
+    }  # fmt: skip
     return [
         {"case": "a", "controller": "pd_playback", "achieved_m_s": 0.1, **speeds, **common},
         {"case": "a", "controller": "policy", "achieved_m_s": 0.5, **speeds, **common},
@@ -139,7 +142,7 @@ def test_only_tables_that_were_made_are_on_the_page(tmp_path: Path) -> None:
     text = page(load(tmp_path), "facts")
     assert "evaluate walk" in text
     assert "evaluate tilt" not in text
-    assert "| b | policy | 0.50 | 0.40 | 0.0 | 1.0 | 4 | yes |" in text
+    assert "| b | policy | 0.50 | 0.40 | 0.00 | 0.02 | 0.0 | 1.0 | 4 | yes |" in text
 
 
 def test_a_table_without_columns_of_its_own_shows_every_figure_of_its_rows(tmp_path: Path) -> None:

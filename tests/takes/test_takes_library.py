@@ -154,6 +154,20 @@ def test_a_session_is_exported_as_it_is_and_comes_back(library: SessionLibrary, 
         assert tapes[0] == tapes[1]
 
 
+def test_takes_that_come_back_are_in_the_session_they_were_recorded_in(tmp_path: Path):
+    here, there = tmp_path / "here", tmp_path / "there"
+    acted = acted_take("tilt", np.random.default_rng(0), seconds=2.0)
+    for name, session in (("a", "ann-20261001"), ("b", "ann-20261001"), ("c", "../../ann")):
+        record(acted, here, name, session=session)
+    made = export_many(here, ["a", "b", "c"], "takes", tmp_path, "all")
+    record(acted, there, "a", session="")  # called alike, of no session
+    assert take_in(there, [made.file], None)["takes"] == ["a-2", "b", "c"]
+    (session,) = SessionBook(there).list()
+    assert (session.name, session.operator) == ("ann-20261001", "me")
+    assert session.takes == ["a-2", "b"]
+    assert of_session(SessionLibrary(there), "ann-20261001") == ["a-2", "b"]
+
+
 def test_a_format_of_one_take_becomes_a_zip_of_a_file_each(library: SessionLibrary, tmp_path: Path):
     made = export_many(library.root, ["a", "b", "nobody"], "bvh", tmp_path, "some")
     assert made.takes == 2

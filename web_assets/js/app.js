@@ -118,7 +118,10 @@ const view = new View({
     keyboard.listen(target);
     push.listen(target);
   },
-  ready: () => $("#veil").classList.add("gone"),
+  ready: () => {
+    $("#veil").classList.add("gone");
+    collect.soon();
+  },
   drag: drops.drag,
   newest: () => studio.tick,
 });
@@ -194,7 +197,7 @@ ticks((tick) => {
   scenes.add(tick);
   studio.stillness.add(tick, studio.lastTick);
   controls.drawVotes(tick);
-  const captions = captionsOf(tick, studio.state?.source ?? "operator");
+  const captions = captionsOf(tick, studio.state);
   view.caption(captions);
   text($("#state-now"), captions.reference[1]);
   drawMeaning(tick);

@@ -2,7 +2,7 @@
 
 import { spoken } from "./words.js";
 
-/** @import { Tick } from "../types/page.js" */
+/** @import { State, Tick } from "../types/page.js" */
 
 /** Nobody real, somebody recorded, or you. @param {string} source */
 function person(source) {
@@ -15,16 +15,24 @@ function person(source) {
  *
  * @param {Pick<Tick, "mode" | "state" | "transition_to" | "controller" | "expert" | "fallen"> &
  *   { human: unknown }} tick
- * @param {string} source
+ * @param {Partial<Pick<State, "source" | "transport">> | null} studio its state
  * @returns {Record<"human" | "reference" | "robot", [string, string]>}
  */
-export function captionsOf(tick, source) {
+export function captionsOf(tick, studio) {
+  const { source = "operator", transport } = studio ?? {};
   const { mode, state, transition_to, controller, human, expert, fallen } = tick;
   const shown = mode === "replay" && controller === "recorded";
   const should = shown ? "What it was shown" : "What it should do";
+  const take = source.startsWith("take:");
+  // A take on the review's bench is not what the transport plays.
+  const over = transport?.ended && (take || mode !== "replay");
+  const ended = over ? `the ${take ? "take" : "clip"} has ended` : "";
   const meaning = expert === "unknown" ? "motion not known" : `meaning: ${expert}`;
   return {
-    human: [person(mode === "replay" ? "take:" : source), human ? meaning : "nobody seen"],
+    human: [
+      person(mode === "replay" ? "take:" : source),
+      ended || (human ? meaning : "nobody seen"),
+    ],
     reference: [
       mode === "collect" ? "What to act out" : should,
       state === "transition" ? `changing to ${transition_to ?? "…"}` : state,

@@ -13,7 +13,8 @@ import { Signals } from "./signals.js";
 
 const KEYS = ["P", ",", ".", "I", "O", "Z", "Y", "L"];
 const COACH_KEYS = ["G", "V", "K", "B", "N", "M"];
-const SOON = 1500; // ms after the page's start, when nothing else is waited for
+const SOON = 1500; // ms after the figures are drawn, when nothing else is waited for
+const AT_LAST = 10000; // ms after the page's start, if they never are
 const AGAIN = 3000; // ms until another try
 
 /** The review's bench, from the first take that is opened on. */
@@ -68,12 +69,17 @@ export class CollectDoor {
   /** @type {Promise<CollectPanels> | null} */
   #loading = null;
   /** ms at which it is loaded unasked. */
-  #due = performance.now() + SOON;
+  #due = performance.now() + AT_LAST;
 
   /** @param {Studio} studio @param {ReviewDoor} review */
   constructor(studio, review) {
     this.studio = studio;
     this.review = review;
+  }
+
+  /** What mattered more is there. */
+  soon() {
+    this.#due = Math.min(this.#due, performance.now() + SOON);
   }
 
   /** @returns {Promise<CollectPanels>} */

@@ -1,5 +1,6 @@
 """A take's folder from elsewhere into the sessions folder, whole or not at all."""
 
+import contextlib
 import os
 import shutil
 from collections.abc import Iterable
@@ -10,8 +11,9 @@ from studio.errors import StudioError
 from studio.files import scratch_folder
 from studio.takes.edit.edits import EDITS
 from studio.takes.names import check_take, fit_name, slug, take_folder
-from studio.takes.record.meta import META, TAPE
+from studio.takes.record.meta import META, TAPE, MetaLost, read_meta
 from studio.takes.record.recorder import Recorder
+from studio.takes.sessions import SessionBook
 from studio.takes.take import iter_tape, survey_take
 from studio.takes.tick import Tick
 
@@ -45,6 +47,11 @@ def add_take(root: Path, folder: Path, name: str | None = None, *, link: bool = 
                 else:
                     shutil.copyfile(file, ready / file.name)
             ready.rename(target)
+        with contextlib.suppress(MetaLost):
+            meta = read_meta(target)
+            about = meta.get("about")
+            if isinstance(about, dict):
+                SessionBook(root).rejoin(name, about, str(meta.get("started", ""))[:10])
     except OSError as error:
         raise StudioError(f"{source.name} was not imported: {error.strerror}") from error
     return name
