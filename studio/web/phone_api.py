@@ -31,7 +31,7 @@ def phone_router(hub: Hub) -> APIRouter:
         """The invitation, as a URL and as a QR code, and the phones that have come."""
         return state()
 
-    @router.post("", **answers(PhoneState, 409))
+    @router.post("", **answers(PhoneState, 409, 422))
     async def change(body: PhoneBody) -> PhoneState:
         """Invite anew, or send a phone away."""
         if hub.phones is None:

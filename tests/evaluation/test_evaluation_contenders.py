@@ -145,7 +145,7 @@ def test_the_ablation_switches_consistency_off_at_test_time(tmp_path: Path) -> N
 
 
 def test_crossings_are_judged_from_their_first_frame() -> None:
-    bank = transitions_from("sit")("stand", 2, 3)
+    bank = transitions_from("sit")("stand", 2, 3, None)
     assert (len(bank), bank.frames, bank.tasks) == (2, 301, ("from_sit",))
     assert bank.leg_contact
     assert EnvConfig().leg_contact is None

@@ -58,7 +58,7 @@ def test_a_stop_lets_go_and_whoever_is_stopped_cannot_be_pushed(loop):
 def test_it_is_refused_beyond_its_limits_and_while_motions_are_shown(loop):
     for bad in ((61.0, 0.0, 0.0), (50.0, 50.0, 0.0), (float("nan"), 0.0, 0.0), (1.0, 2.0)):
         with pytest.raises(ValidationError):
-            c.Push(force=bad)
+            c.Push(force=bad)  # type: ignore[arg-type]
     with pytest.raises(ValidationError):
         c.Push(force=(1.0, 0.0, 0.0), seconds=2.0)
     assert ask(loop, c.SetMode(mode="collect")).ok
