@@ -52,7 +52,8 @@ class SourceKind:
     """One entry of the registry. usage: how a spec is written. about: one line for people.
 
     served: it gives frames only while a studio is served. suffixes: of the files it plays.
-    mappable: it may be said which of its joints is which.
+    mappable: it may be said which of its joints is which. batch: opening it takes minutes, for
+    which nobody at a page waits: not in a studio that is served.
     """
 
     usage: str
@@ -61,6 +62,7 @@ class SourceKind:
     served: bool = False
     suffixes: tuple[str, ...] = ()
     mappable: bool = False
+    batch: bool = False
 
 
 # Rooms' files are imported when their source is opened: `stream` needs no BVH parser to start.
@@ -130,7 +132,7 @@ SOURCES: dict[str, SourceKind] = {
     ),
     "video": SourceKind(
         usage="video:FILE", about="the person in a video, by the page's model", open=_video,
-        suffixes=(".mp4", ".mov", ".webm", ".mkv", ".avi", ".mjpeg"),
+        batch=True,
     ),
     "take": SourceKind(usage="take:NAME", about="the human side of a recorded take", open=_take),
     "webcam": SourceKind(

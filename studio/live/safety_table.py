@@ -118,7 +118,7 @@ ROWS: tuple[Row, ...] = (
     ),
     Row(
         key="page",
-        what="The page in control is closed, hidden, hangs, or its line breaks",
+        what="The page in control is closed, hangs, or its line breaks",
         does="comes to a stand",
         within=PAGE_LOST_AFTER + _PERIOD,
         reason="page_lost",

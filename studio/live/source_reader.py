@@ -12,7 +12,7 @@ from studio.human.calibration import Calibration, calibrate
 from studio.human.pose import HumanPose
 from studio.live.timeline import TOLERANCE, Timeline
 from studio.robot.a1 import CONTROL_DT
-from studio.sources import Source, SourceEnded, open_source
+from studio.sources import SOURCES, Source, SourceEnded, open_source
 
 log = logging.getLogger(__name__)
 BEFORE = 36
@@ -34,6 +34,12 @@ def open_for(spec: str, config: PuppeteerConfig, sessions: Path) -> OpenedSource
 
     spec: of docs/contract.md. sessions: where takes are. StudioError says what would work.
     """
+    kind = SOURCES.get(spec.partition(":")[0])
+    if kind is not None and kind.batch:
+        raise StudioError(
+            f"{kind.usage} takes minutes: `a1-studio drive --source {kind.usage} --record` makes a "
+            "take of it"
+        )
     source = open_source(spec, seed=config.seed, style=config.style, sessions=sessions)
     return OpenedSource(source=source, calibration=calibrate(source.calibration_poses()))
 

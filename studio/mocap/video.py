@@ -3,16 +3,16 @@
 The same model as the page's looks at every picture, on this machine (`video_poses`).
 """
 
-import json
 import os
 import subprocess
 import sys
-import tempfile
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
+
 from studio.errors import StudioError
-from studio.files import open_regular
+from studio.files import open_regular, scratch_folder
 from studio.mocap import video_poses
 from studio.mocap.frames import read_frames
 from studio.mocap.recorded import Recorded
@@ -23,6 +23,8 @@ MODEL = "lite"
 PYTHON = "A1_STUDIO_VIDEO_PYTHON"
 """Environment variable: the Python of an environment that has MediaPipe, if this one has not."""
 MAX_BYTES = 4 * 2**30
+_TAIL = 65_536
+"""Bytes of what the program said last that are read."""
 MAX_S = 3600.0
 """s that looking at a video may take."""
 
@@ -38,20 +40,28 @@ def read_video(path: str | Path) -> Recorded:
     model = package_folder("web_assets") / "vendor" / "mediapipe" / f"pose_{MODEL}.task"
     if not model.is_file():
         raise StudioError("the pose model is not installed: run `make setup` first")
-    with tempfile.TemporaryDirectory(prefix="a1-studio-") as folder:
-        frames = Path(folder) / f"{path.stem or 'video'}.jsonl"
+    with scratch_folder("a1-studio-") as folder:
+        frames = folder / "video.jsonl"
         said = _look(path, model, frames)
         if not frames.stat().st_size:
             raise StudioError(f"{path.name} shows nobody whom the model could find")
         recorded = read_frames(frames)
+    recorded = replace(recorded, clip=replace(recorded.clip, name=path.stem))
     report, seen = recorded.report, len(recorded.clip)
-    notes = [*report.notes, f"{seen} of {said['pictures']} pictures show a person"]
-    if not said["whole"]:
+    notes = [*report.notes, f"{seen} of {said.pictures} pictures show a person"]
+    if not said.whole:
         notes.append(f"only its first {video_poses.MAX_FRAMES} pictures were looked at")
     return replace(recorded, report=replace(report, notes=tuple(notes)))
 
 
-def _look(path: Path, model: Path, frames: Path) -> dict[str, int]:
+class _Said(msgspec.Struct):
+    """What the program says at its end."""
+
+    pictures: int
+    whole: bool
+
+
+def _look(path: Path, model: Path, frames: Path) -> _Said:
     """Run the model over the video; what it says at its end."""
     command = [
         os.environ.get(PYTHON) or sys.executable,
@@ -59,18 +69,24 @@ def _look(path: Path, model: Path, frames: Path) -> dict[str, int]:
         str(path),
         str(model),
     ]
-    with frames.open("wb") as out:
+    spoken = frames.with_suffix(".log")
+    with frames.open("wb") as out, spoken.open("wb") as err:
         try:
-            done = subprocess.run(
-                command, stdout=out, stderr=subprocess.PIPE, timeout=MAX_S, check=False
-            )
+            done = subprocess.run(command, stdout=out, stderr=err, timeout=MAX_S, check=False)
         except subprocess.TimeoutExpired as error:
             raise StudioError(f"{path.name} takes longer than {MAX_S:.0f} s to look at") from error
         except OSError as error:
             raise StudioError(f"{PYTHON}={command[0]} cannot be run: {error.strerror}") from error
-    last = done.stderr.decode(errors="replace").strip().rpartition("\n")[2]
+    with spoken.open("rb") as file:
+        file.seek(max(0, spoken.stat().st_size - _TAIL))
+        lines = [line for line in file.read().decode(errors="replace").splitlines() if line.strip()]
+    last = "".join(c for c in (lines or ["it said nothing"])[-1] if c.isprintable())[:300]
     if done.returncode == video_poses.UNUSABLE:
         raise StudioError(last)
-    if done.returncode:
-        raise StudioError(f"{path.name} could not be looked at ({done.returncode}): {last[:300]}")
-    return json.loads(last)
+    for line in reversed(lines):  # libraries that it uses speak, too
+        if not done.returncode and line.startswith("{"):
+            try:
+                return msgspec.json.decode(line, type=_Said)
+            except msgspec.MsgspecError:
+                continue
+    raise StudioError(f"{path.name} could not be looked at ({done.returncode}): {last}")

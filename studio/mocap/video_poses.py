@@ -5,6 +5,7 @@ other people's C, whose crash must not take a robot along, and may live in anoth
 """
 
 import json
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -54,9 +55,11 @@ def main(video: str, model: str) -> None:
     )
     rate = opened.get(cv2.CAP_PROP_FPS)
     rate = rate if 1.0 <= rate <= 1000.0 else 30.0
-    count, last = 0, -1.0
+    count, last, asker = 0, -1.0, os.getppid()
     with vision.PoseLandmarker.create_from_options(options) as model_of:
         while ok and count < MAX_FRAMES:
+            if os.getppid() != asker:
+                return  # killed: nobody waits for the rest
             t = opened.get(cv2.CAP_PROP_POS_MSEC) / 1000.0
             if not t > last:  # no clock of its own, or one that jumps
                 t = last + 1.0 / rate if count else 0.0

@@ -14,6 +14,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+import msgspec
 import segno
 from typing_extensions import TypedDict
 
@@ -178,3 +179,23 @@ def may(kind: str, method: str, path: str) -> bool:
     if method in ("GET", "HEAD") and re.match(r"/assets/", path):
         return True
     return path in _PATHS.get(method, ())
+
+
+SOURCES, MODES = ("webcam",), ("idle", "live")
+"""What a phone may choose: to be the camera, or to rest."""
+MAX_BODY = 4096
+"""Bytes of a request of a phone's."""
+
+
+def may_ask(path: str, body: bytes) -> bool:
+    """Whether a phone may ask for just this of a path that it may use."""
+    key, known = {"/api/source": ("source", SOURCES), "/api/mode": ("mode", MODES)}.get(
+        path, ("", ())
+    )
+    if not key:
+        return True
+    try:
+        said = msgspec.json.decode(body, type=dict[str, str])
+    except (msgspec.MsgspecError, RecursionError):
+        return False
+    return said.keys() == {key} and said[key] in known

@@ -30,8 +30,9 @@ from studio.web.hosts import EVERYWHERE, LOOPBACK_HOSTS, checked_names
 from studio.web.http_server import bind, uvicorn_config
 from studio.web.hub import Hub
 from studio.web.page_control import PageControl
-from studio.web.phone_door import FirstServer, second_server
+from studio.web.phone_door import second_server
 from studio.web.scene import StudioScene
+from studio.web.second_server import FirstServer
 from studio.web.supervisor import Supervisor
 from studio.web.tokens import checked_token, kept_token
 from studio.web.view import View

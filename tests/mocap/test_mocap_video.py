@@ -1,16 +1,20 @@
 """A video as a source: errors of what is none; with MediaPipe, the person in one."""
 
 import ast
+import json
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
-from studio.human.skeleton import INDEX
+from studio.human.skeleton import INDEX, NEUTRAL
+from studio.live.source_reader import open_for
 from studio.mocap import video, video_poses
 from studio.mocap.video import PYTHON, read_video
 from studio.sources import open_source
@@ -104,6 +108,41 @@ def test_a_decoder_that_crashes_or_hangs_takes_nothing_along(tmp_path, monkeypat
         read_video(file)
 
 
+@pytest.mark.parametrize(
+    "script",
+    [
+        "true",
+        """echo '{"pictures": "x"}' >&2""",
+        "head -c 100000 /dev/zero >&2",
+        "printf '\\033[31mred' >&2; exit 3",
+        """printf '{"t": 1' ; echo '[1]' >&2""",
+    ],
+)
+def test_a_program_that_says_nonsense_is_a_line_of_text(tmp_path, monkeypatch, script):
+    file = _python(tmp_path, monkeypatch, script)
+    with pytest.raises(StudioError) as error:
+        read_video(file)
+    assert str(error.value).isprintable()
+    assert len(str(error.value)) < 400
+
+
+def test_what_a_library_says_after_the_end_loses_no_film(tmp_path, monkeypatch):
+    frame = {"skeleton": "studio", "positions": NEUTRAL.tolist()}
+    said = tmp_path / "said"
+    said.write_text("\n".join(json.dumps({"t": k / 30, **frame}) for k in range(30)))
+    told = json.dumps({"pictures": 30, "whole": True})
+    _python(tmp_path, monkeypatch, f"cat '{said}'; echo '{told}' >&2; echo bye >&2")
+    film = tmp_path / ("x" * 251 + ".mp4")
+    film.write_bytes(b"x")
+    assert read_video(film).clip.name == "x" * 251
+    assert not list(Path(tempfile.gettempdir()).glob("a1-studio-*/video.jsonl"))
+
+
+def test_a_studio_that_is_served_looks_at_no_video(tmp_path):
+    with pytest.raises(StudioError, match="drive --source video"):
+        open_for("video:a.mp4", PuppeteerConfig(), tmp_path)
+
+
 def test_the_program_imports_nothing_of_the_studio():
     tree = ast.parse(Path(video_poses.__file__).read_text())
     found = {
@@ -114,4 +153,4 @@ def test_the_program_imports_nothing_of_the_studio():
             else [node.module or ""] if isinstance(node, ast.ImportFrom) else []
         )
     }  # fmt: skip
-    assert found == {"json", "sys", "pathlib", "typing", "cv2", "mediapipe"}
+    assert found == {"json", "os", "sys", "pathlib", "typing", "cv2", "mediapipe"}

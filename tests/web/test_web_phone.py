@@ -1,6 +1,8 @@
 """A phone as the camera: invited once, over TLS, with less than the token's rights, sent away."""
 
 import json
+import os
+import socket as sockets
 import ssl
 import stat
 import threading
@@ -17,9 +19,10 @@ from websockets.sync.client import connect
 
 from studio.errors import StudioError
 from studio.options import ServeConfig
-from studio.web import phone_door
+from studio.web import phone_certificate
 from studio.web.phone import INVITED_S, MOST, Phones, may
-from studio.web.phone_door import FILE, address_for, certificate
+from studio.web.phone_certificate import FILE, address_for, certificate
+from studio.web.second_server import FewAtOnce
 from studio.web.serve import studio
 
 PIXEL = "Mozilla/5.0 (Linux; Android 16; Pixel 9) Chrome/140"
@@ -101,6 +104,66 @@ def test_a_phone_has_the_camera_and_the_stop_and_nothing_else(invited, phone):
         with pytest.raises(InvalidStatus) as refused, socket(invited, phone, path):
             pass
         assert refused.value.response.status_code == 403, path
+
+
+def test_a_phone_chooses_no_source_but_itself_and_no_mode_but_live_and_idle(invited, phone):
+    for path, body in (
+        ("/api/source", {"source": "take:x"}), ("/api/source", {"source": "vmc:0.0.0.0:0"}),
+        ("/api/source", {"source": "frames:/etc/passwd"}), ("/api/mode", {"mode": "replay"}),
+        ("/api/mode", {"mode": "collect"}), ("/api/source", {"source": "webcam", "source2": "x"}),
+        ("/api/source", ["webcam"]), ("/api/source", None),
+    ):  # fmt: skip
+        assert phone.post(path, json=body).status_code == 403, body
+    assert (
+        phone.post("/api/source", content=b'{"source":"webcam","source":"take:x"}').status_code
+        == 403
+    )
+    assert phone.post("/api/stop", content=b"x" * 5000).status_code == 403
+    assert phone.post("/api/source", json={"source": "webcam"}).status_code == 200
+    assert phone.post("/api/mode", json={"mode": "idle"}).status_code == 200
+    invited.client.post("/api/source", json={"source": "operator:quiet"})
+
+
+def test_who_is_sent_away_while_asking_is_not_answered(invited, phone):
+    host, port = phone.base_url.host, phone.base_url.port
+    cookies = "; ".join(f"{name}={value}" for name, value in phone.cookies.items())
+    head = (
+        f"POST /api/mode HTTP/1.1\r\nHost: {host}:{port}\r\nCookie: {cookies}\r\n"
+        "Content-Type: application/json\r\nContent-Length: 15\r\n\r\n"
+    )
+    with (
+        sockets.create_connection((host, port), timeout=PATIENCE) as plain,
+        invited.trust.wrap_socket(plain, server_hostname=host) as tls,
+    ):
+        tls.sendall(head.encode() + b'{"mode"')
+        time.sleep(0.2)
+        for one in invited.client.get("/api/phone").json()["phones"]:
+            invited.client.post("/api/phone", json={"action": "send_away", "name": one["name"]})
+        tls.sendall(b':"live"}')
+        assert b" 401 " in tls.recv(4096).partition(b"\r\n")[0]
+
+
+def test_half_made_connections_leave_the_studio_its_descriptors(invited, phone):
+    host, port = phone.base_url.host, phone.base_url.port
+    before = len(os.listdir("/proc/self/fd"))
+    silent = [sockets.create_connection((host, port), timeout=PATIENCE) for _ in range(200)]
+    try:
+        assert invited.client.post("/api/stop").status_code == 200
+        # Both ends are this process's: what the studio keeps is what is beyond ours.
+        kept = len(os.listdir("/proc/self/fd")) - before - len(silent)
+        assert kept <= FewAtOnce.most_each
+    finally:
+        for one in silent:
+            one.close()
+    deadline = time.monotonic() + PATIENCE
+    while True:
+        try:
+            assert phone.get("/camera").status_code == 200
+            break
+        except httpx.TransportError:  # until the studio has seen that they left
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+    invited.client.post("/api/reset")
 
 
 def test_without_an_invitation_there_is_no_way_in_and_the_token_is_none(invited, phone):
@@ -213,18 +276,42 @@ def test_a_certificate_is_kept_until_the_address_changes_or_others_could_read_it
     assert moved != made
     file.chmod(0o644)
     assert certificate(tmp_path, "10.0.0.7").read_bytes() != moved
+    good = file.read_bytes()
+    file.write_bytes(good[good.index(b"-----BEGIN CERT") :])  # without its key
+    file.chmod(0o600)
+    assert b"PRIVATE KEY" in certificate(tmp_path, "10.0.0.7").read_bytes()
+    file.unlink()
+    os.mkfifo(file, 0o600)
+    assert b"PRIVATE KEY" in certificate(tmp_path, "10.0.0.7").read_bytes()
     file.write_bytes(b"\xff no certificate")
     file.chmod(0o600)
     assert b"BEGIN CERTIFICATE" in certificate(tmp_path, "::1").read_bytes()
 
 
 def test_one_that_ends_within_a_day_is_made_anew(tmp_path, monkeypatch):
-    monkeypatch.setattr(phone_door, "DAYS", 0.5)
+    monkeypatch.setattr(phone_certificate, "DAYS", 0.5)
     short = certificate(tmp_path, "10.0.0.7").read_bytes()
     assert certificate(tmp_path, "10.0.0.7").read_bytes() != short
 
 
-@pytest.mark.parametrize("said", ["0.0.0.0", "::", "phone", "", "192.168.1.20:8443"])
+@pytest.mark.parametrize(
+    "said",
+    [
+        "0.0.0.0",
+        "::",
+        "0:0:0:0:0:0:0:0",
+        "224.0.0.1",
+        "255.255.255.255",
+        "phone",
+        "",
+        "192.168.1.20:8443",
+    ],
+)
 def test_an_address_that_no_phone_can_open_is_refused(said):
     with pytest.raises(StudioError, match=r"192\.168\.1\.20"):
         address_for(said)
+
+
+def test_an_address_is_written_as_browsers_write_it():
+    assert address_for("FE80:0:0:0:0:0:0:1") == "fe80::1"
+    assert address_for("::ffff:192.168.1.20") == "192.168.1.20"
