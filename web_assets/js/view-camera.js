@@ -118,7 +118,7 @@ export class ViewCamera {
     if (!cameraControl?.getTarget) return;
     const at = cameraControl.getTarget(camera.position.clone());
     const inside = (/** @type {number} */ c) => Math.min(ROOM, Math.max(-ROOM, c));
-    const [x, y, z] = [inside(at.x), Math.min(3, Math.max(0.02, at.y)), inside(at.z)];
+    const [x, y, z] = [inside(at.x), Math.min(3, Math.max(0, at.y)), inside(at.z)];
     if (x !== at.x || y !== at.y || z !== at.z) cameraControl.moveTo(x, y, z, false);
   }
 }
