@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio import geometry
+from studio.metrics import joint_error_sq
 from studio.robot import a1
 from studio.takes.columns import Columns
 
@@ -66,7 +67,7 @@ def signals(rows: NDArray) -> dict[str, Array]:
         joints[who] = np.asarray(rows[f"{stream}_joint_pos"], dtype=np.float64)
     paws = 100.0 * rows["robot_foot_pos_w"][:, :2, 2].astype(np.float64)
     out["paw_right_cm"], out["paw_left_cm"] = paws.T
-    misses = _apart(joints["asked"], joints["done"])
+    misses = joint_error_sq(joints["asked"], joints["done"])
     out["joint_error_deg"] = np.degrees(np.sqrt(misses))
     out["joints_late_ms"] = _late(joints["asked"], joints["done"])
     return out
@@ -88,21 +89,16 @@ def _late(asked: Array, done: Array) -> Array:
         return out
     misses = np.empty((LAG_MOST + 1, count))
     for shift in range(LAG_MOST + 1):
-        apart = _apart(asked[LAG_MOST - shift : len(asked) - shift], done[LAG_MOST:])
+        apart = joint_error_sq(asked[LAG_MOST - shift : len(asked) - shift], done[LAG_MOST:])
         summed = np.cumsum(np.concatenate([[0.0], apart]))
         misses[shift] = summed[LAG_OVER:] - summed[:-LAG_OVER]
     window = asked[LAG_MOST:]
     moved = np.zeros(count)
     for later in range(1, LAG_OVER):
-        np.maximum(moved, _apart(window[later : later + count], window[:count]), out=moved)
+        np.maximum(moved, joint_error_sq(window[later : later + count], window[:count]), out=moved)
     late = 1000.0 * a1.CONTROL_DT * np.argmin(misses, axis=0)
     out[_BEFORE - 1 :] = np.where(np.sqrt(moved) < MOVES, np.nan, late)
     return out
-
-
-def _apart(a: Array, b: Array) -> Array:
-    """(T,) mean square of what lies between (T, 12) and (T, 12)."""
-    return np.mean((a - b) ** 2, axis=-1)
 
 
 def _extremes(values: Array, edges: NDArray[np.int64]) -> Array:

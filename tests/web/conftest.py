@@ -9,6 +9,7 @@ import axe
 import httpx
 import pytest
 from browsing import PATIENCE, chromium, drawn
+from served import Served
 
 from studio.options import ServeConfig
 from studio.web.serve import studio
@@ -101,6 +102,14 @@ def studio_live(studio_at):
     client.post("/api/mode", json={"mode": "live"})
     client.post("/api/state", json={"state": "auto"})
     return studio_at
+
+
+@pytest.fixture(scope="module")
+def served(tmp_path_factory):
+    """A server that has to end well, where a file has none of its own."""
+    served = Served(tmp_path_factory.mktemp("sessions"), "--source", "operator:quiet")
+    yield served
+    served.end_well()
 
 
 @pytest.fixture(scope="module")

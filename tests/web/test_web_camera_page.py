@@ -3,7 +3,6 @@
 import pytest
 from browsing import FLAGS, chromium, click, launched, until
 from camera_video import film
-from served import Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
@@ -11,14 +10,6 @@ NO_GRAPHICS = [flag for flag in FLAGS if "swiftshader" in flag]
 """The model shares two cores with whoever draws in software; this page needs no drawing."""
 FAKE = ("--disable-gpu", "--use-fake-device-for-media-stream")
 SAID = "() => document.querySelector('#said').textContent"
-
-
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    """A server that has to end well."""
-    served = Served(tmp_path_factory.mktemp("sessions"), "--source", "operator:quiet")
-    yield served
-    served.end_well()
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,6 @@ import time
 
 import pytest
 from browsing import drawn, until
-from served import Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
@@ -17,14 +16,6 @@ EYE = f"""(() => {{
 }})()"""
 """Where the camera is, and at what it looks, z up."""
 PRESSED = "document.querySelector('.cameras [aria-pressed=true]').dataset.camera"
-
-
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    """A server that has to end well."""
-    served = Served(tmp_path_factory.mktemp("sessions"), "--source", "operator:quiet")
-    yield served
-    served.end_well()
 
 
 @pytest.fixture

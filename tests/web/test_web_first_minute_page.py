@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from browsing import click, drawn, until
-from served import Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
@@ -14,14 +13,6 @@ BOXES = """() => {
   return captions.map((c) => c.getBoundingClientRect()).map(({ left, right }) => [left, right]);
 }"""
 """Left and right edges, px, once all three are in sight."""
-
-
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    """A server that has to end well."""
-    served = Served(tmp_path_factory.mktemp("sessions"), "--source", "operator:quiet")
-    yield served
-    served.end_well()
 
 
 @pytest.mark.parametrize("width", [390, 1100])

@@ -5,20 +5,11 @@ import math
 import pytest
 from browsing import click, drawn, until
 from rendered import RENDERED, iter_links
-from served import Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 EYE = """() => document.querySelector('#view').contentWindow.__viserMutable
   .camera.position.toArray()"""
-
-
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    """A server that has to end well."""
-    served = Served(tmp_path_factory.mktemp("sessions"), "--source", "operator:quiet")
-    yield served
-    served.end_well()
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,6 @@
 
 import pytest
 from browsing import drawn, until
-from served import Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
@@ -18,14 +17,6 @@ ROBOT = """() => {
 }"""
 FORCE = "Math.hypot(...a1studio.state.push)"
 ARROW = "document.querySelector('.push-arrow text')"
-
-
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    """A server that has to end well."""
-    served = Served(tmp_path_factory.mktemp("sessions"), "--source", "operator:quiet")
-    yield served
-    served.end_well()
 
 
 @pytest.fixture

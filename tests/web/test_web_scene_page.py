@@ -2,7 +2,6 @@
 
 import pytest
 from browsing import drawn, until
-from served import Served
 
 from studio.live.best_runs import BestRuns
 
@@ -24,14 +23,6 @@ PROPS = """() => {
   }
   return out;
 }"""
-
-
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    """A server that has to end well."""
-    served = Served(tmp_path_factory.mktemp("sessions"), "--source", "operator:quiet")
-    yield served
-    served.end_well()
 
 
 @pytest.fixture

@@ -2,21 +2,12 @@
 
 import pytest
 from browsing import click, drawn, until
-from served import Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 PLAYED = "a1studio.state.transport"
 SAYS = "document.querySelector('#transport-at').getAttribute('aria-valuetext')"
 SHOWN = "!document.querySelector('{}').hidden"
-
-
-@pytest.fixture(scope="module")
-def served(tmp_path_factory):
-    """A server that has to end well."""
-    served = Served(tmp_path_factory.mktemp("sessions"), "--source", "operator:quiet")
-    yield served
-    served.end_well()
 
 
 @pytest.fixture
