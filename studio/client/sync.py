@@ -1,13 +1,12 @@
 """A studio, frames in and ticks out, for plain programs: every call waits for its answer."""
 
-import json
-from collections.abc import Iterator, Sequence
+import asyncio
+import threading
+from collections.abc import Coroutine, Iterator, Sequence
 from pathlib import Path
-from typing import Self, Unpack
+from typing import Any, Generic, Self, TypeVar, Unpack
 
-from websockets.exceptions import ConnectionClosed, InvalidHandshake
-from websockets.sync.client import ClientConnection, connect
-
+from studio.client.async_sockets import AsyncFrames, AsyncSocket, AsyncTicks
 from studio.client.http import Address, ClientError, Options, take_path
 from studio.client.messages import (
     Format,
@@ -21,7 +20,9 @@ from studio.client.messages import (
     Tick,
     TransportAction,
 )
-from studio.client.wire import ENDED, error_in, frame_text, not_opened, socket_options
+
+S = TypeVar("S", bound=AsyncSocket)
+T = TypeVar("T")
 
 
 class Studio:
@@ -122,17 +123,29 @@ class Studio:
         return Ticks(self.address)
 
 
-class _Socket:
-    """One WebSocket, opened here; closed by `close` or at the end of a `with`."""
+class _Socket(Generic[S]):
+    """One WebSocket, opened here; closed by `close` or at the end of a `with`.
 
-    path: str
+    It is an asyncio one on a thread of its own: websockets' own for threads reads and writes from
+    two, which one TLS connection does not bear before Python 3.13 (1 in 60 was never answered).
+    """
 
-    def __init__(self, address: Address) -> None:
-        self._ws: ClientConnection = opened(address, self.path)
+    def __init__(self, socket: S) -> None:
+        self._loop = asyncio.new_event_loop()
+        self._thread = threading.Thread(target=self._loop.run_forever, daemon=True)
+        self._thread.start()
+        self._socket, self._open = socket, True
+        try:
+            self._wait(socket.__aenter__())
+        except BaseException:
+            self._end()
+            raise
 
     def close(self) -> None:
         """Leave; idempotent."""
-        self._ws.close()
+        if self._open:
+            self._wait(self._socket.__aexit__())
+            self._end()
 
     def __enter__(self) -> Self:
         return self
@@ -140,12 +153,29 @@ class _Socket:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    def _wait(self, made: Coroutine[Any, Any, T]) -> T:
+        if not self._open:
+            made.close()
+            raise ClientError("this connection was closed here")
+        return asyncio.run_coroutine_threadsafe(made, self._loop).result()
 
-class Frames(_Socket):
-    """Sends human frames. refused: how many the studio said it cannot use, as far as heard."""
+    def _end(self) -> None:
+        self._open = False
+        self._loop.call_soon_threadsafe(self._loop.stop)
+        self._thread.join()
+        self._loop.close()
 
-    path = "/api/human"
-    refused: int = 0
+
+class Frames(_Socket[AsyncFrames]):
+    """Sends human frames."""
+
+    def __init__(self, address: Address) -> None:
+        super().__init__(AsyncFrames(address))
+
+    @property
+    def refused(self) -> int:
+        """How many frames the studio said it cannot use, as far as heard."""
+        return self._socket.refused
 
     def send(
         self,
@@ -159,51 +189,27 @@ class Frames(_Socket):
         t: s by the sender's clock. positions: (joints, 3) m in the skeleton's axes and order, None
         for a joint not seen. confidence: (joints,), 0 not seen. ClientError when disconnected.
         """
-        text = frame_text(t, skeleton, positions, confidence)
-        try:
-            self._ws.send(text)
-        except ConnectionClosed as error:
-            raise ClientError(ENDED) from error
-        return self.errors()
+        return self._wait(self._socket.send(t, skeleton, positions, confidence))
 
     def errors(self, timeout: float = 0.0) -> list[str]:
         """What was wrong with frames sent, not told before; waits `timeout` s for the first."""
-        found: list[str] = []
-        try:
-            while True:
-                found.append(error_in(self._ws.recv(timeout=0.0 if found else timeout)))
-        except TimeoutError:
-            self.refused += len(found)
-            return found
-        except ConnectionClosed as error:
-            raise ClientError(ENDED) from error
+        return self._wait(self._socket.errors(timeout))
 
 
-class Ticks(_Socket):
+class Ticks(_Socket[AsyncTicks]):
     """Iterates over ticks; ends when the studio does. Who is slow misses some (see `index`)."""
 
-    path = "/api/ticks"
+    def __init__(self, address: Address) -> None:
+        super().__init__(AsyncTicks(address))
 
     def __iter__(self) -> Iterator[Tick]:
-        try:
-            while True:
-                yield json.loads(self._ws.recv())
-        except ConnectionClosed:
-            return
+        while True:
+            try:
+                tick = self.next()
+            except ClientError:
+                return
+            yield tick
 
     def next(self, timeout: float | None = None) -> Tick:
         """The next tick; ClientError where none comes within `timeout` s, or ever."""
-        try:
-            return json.loads(self._ws.recv(timeout=timeout))
-        except TimeoutError as error:
-            raise ClientError(f"no tick within {timeout:g} s") from error
-        except ConnectionClosed as error:
-            raise ClientError(ENDED) from error
-
-
-def opened(address: Address, path: str) -> ClientConnection:
-    """A WebSocket to `path`, or ClientError."""
-    try:
-        return connect(address.socket(path), **socket_options(address))
-    except (OSError, InvalidHandshake) as error:
-        raise not_opened(error, address) from error
+        return self._wait(self._socket.next(timeout))

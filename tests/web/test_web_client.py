@@ -47,7 +47,7 @@ def people():
 def test_it_loads_the_standard_library_websockets_and_an_exception():
     """Other programs import it: nothing of the studio's weight comes along."""
     program = (
-        "import sys, json, websockets.sync.client, websockets.asyncio.client\n"
+        "import sys, json, websockets.asyncio.client\n"
         "before = set(sys.modules)\n"
         "import studio.client\n"
         "print(json.dumps(sorted(set(sys.modules) - before)))"

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from conftest import PATIENCE, TOKEN
 from cryptography import x509
+from tls import tls_socket
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.sync.client import connect
 
 from studio.errors import StudioError
 from studio.options import ServeConfig
@@ -72,7 +72,7 @@ def phone(invited):
 def socket(invited, phone, path: str):
     cookies = "; ".join(f"{name}={value}" for name, value in phone.cookies.items())
     url = f"wss://{phone.base_url.host}:{phone.base_url.port}{path}"
-    return connect(url, ssl=invited.trust, additional_headers={"Cookie": cookies}, proxy=None)
+    return tls_socket(url, {"Cookie": cookies}, invited.trust)
 
 
 def test_an_invitation_is_good_once(invited, phone):
