@@ -165,6 +165,17 @@ def joint_speed_deg_s(joint_pos: ArrayLike, dt: float) -> Array:
     return np.degrees(moved.max(axis=-1, initial=0.0)) / dt
 
 
+def rms_jerk(joint_pos: ArrayLike, dt: float) -> float:
+    """Root mean square, rad/s³, over periods and joints of (T, J) rad, `dt` s apart, T over 3."""
+    jerk = np.diff(_array(joint_pos), n=3, axis=0) / dt**3
+    return float(np.sqrt(np.mean(jerk**2)))
+
+
+def percentiles(values: ArrayLike) -> dict[str, float]:
+    """The p50, p95 and p99 of values (N,), N over 0, in their unit."""
+    return dict(zip(("p50", "p95", "p99"), np.percentile(_array(values), [50, 95, 99]).tolist()))
+
+
 def lag_periods(joint_pos: ArrayLike, reference: ArrayLike, most: int) -> int:
     """By how many periods, `most` at most, joints (T, J) trail those asked for: least squares."""
     ours, asked = np.asarray(joint_pos), np.asarray(reference)

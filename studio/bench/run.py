@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from studio import metrics
 from studio.errors import StudioError
 from studio.evaluation.behind import drive, met
 from studio.options import BenchConfig
@@ -89,14 +90,8 @@ def control_period(seconds: float) -> tuple[dict[str, dict[str, float]], dict[st
 
 
 def percentiles(values: np.ndarray) -> dict[str, float]:
-    """p50, p95, p99 and max of values (N,), in their unit."""
-    p50, p95, p99 = np.percentile(values, [50, 95, 99])
-    return {
-        "p50": float(p50),
-        "p95": float(p95),
-        "p99": float(p99),
-        "max": float(np.max(values)),
-    }
+    """As `metrics.percentiles`, and the max."""
+    return {**metrics.percentiles(values), "max": float(np.max(values))}
 
 
 def _read(path: Path) -> dict[str, Any]:

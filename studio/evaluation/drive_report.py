@@ -72,7 +72,6 @@ def _physics(ticks: list[Tick]) -> dict[str, Any]:
     ref_feet = kinematics.foot_pos_w(ref_base, ref_quat, ref_joints)
     paws = feet[:, :2, 2] - FOOT_RADIUS
     inference = np.array([t.timings_ms.get("inference", 0.0) for t in ticks])
-    p50, p95, p99 = (float(v) for v in np.percentile(inference, [50, 95, 99]))
     return {
         "tilt_deg": _tilt_deg(ticks),
         "base_height_m": _range(base[:, 2]),
@@ -99,7 +98,7 @@ def _physics(ticks: list[Tick]) -> dict[str, Any]:
         "net_distance_m": metrics.net_distance_m(base),
         "heading_change_deg": metrics.heading_change_deg(quat),
         "mean_speed_m_s": metrics.mean_speed_m_s(base, CONTROL_DT),
-        "inference_ms": {"p50": p50, "p95": p95, "p99": p99, "max": float(inference.max())},
+        "inference_ms": {**metrics.percentiles(inference), "max": float(inference.max())},
     }
 
 

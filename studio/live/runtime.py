@@ -12,9 +12,9 @@ from studio.live.best_runs import Props, SceneRuns
 from studio.live.collect_stages import Step
 from studio.live.collecting import Collector
 from studio.live.mappers import SHIPPED, Mappers, OpenedMapper
-from studio.live.meeting import Meeting
 from studio.live.replay import Replay
 from studio.live.safety import Safety
+from studio.live.seek_guard import SeekGuard
 from studio.live.source_reader import OpenedSource, ReplacedSource, SourceReader, open_for
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import StateName
@@ -54,7 +54,7 @@ class Runtime:
         self.safety = Safety(armed=live)
         self.mode = "live" if live else "idle"
         self.idle_by_source = not live  # nobody asked for idle: arming is enough to go live
-        self.meeting = Meeting(self.reader, self.puppeteer, self.safety)
+        self.seek_guard = SeekGuard(self.reader, self.puppeteer, self.safety)
         self.recorder = Recorder(config.sessions)
         self.replay: Replay | None = None
         self.collector = Collector(config.sessions, self.recorder)
@@ -109,13 +109,13 @@ class Runtime:
             return replace(tick, counters=self.counters(), why=self.safety.stop_line or tick.why)
         self._stand_up_if_demo(now)
         shown, collecting = self._collect()
-        human = self.meeting.read(now, recording=self.recorder.recording is not None)
+        human = self.seek_guard.read(now, recording=self.recorder.recording is not None)
 
         def command(age: float) -> DriveCommand:
             if age == 0.0:
                 self.safety.see(now)
             return self.safety.command(
-                now, self.mode, source_ended=self.reader.ended, keep=self.meeting.keep
+                now, self.mode, source_ended=self.reader.ended, keep=self.seek_guard.keep
             )
 
         try:

@@ -29,6 +29,7 @@ from studio.live.state_parts import (
     Style,
 )
 from studio.live.tick_message import Mode, Pose, TickMessage
+from studio.metrics import percentiles
 from studio.reference.intent import STATES
 from studio.scenes.stage import Progress
 from studio.takes.as_json import part
@@ -64,8 +65,7 @@ class Seen:
     def punctuality(self) -> dict[str, float]:
         """How late periods began, ms."""
         late = list(islice(reversed(self.period_error_ms), WINDOW)) or [0.0]
-        p50, p95, p99 = np.percentile(late, [50, 95, 99]).tolist()
-        return {"p50": round(p50, 3), "p95": round(p95, 3), "p99": round(p99, 3)}
+        return {name: round(ms, 3) for name, ms in percentiles(late).items()}
 
     def source_report(self) -> dict[str, Any]:
         """What was found in the source, and what was refused since."""

@@ -171,5 +171,5 @@ def _smoothness(env: ImitationEnv, joints: NDArray, life: NDArray[np.intp]) -> d
         ours = joints[:k, i]
         asked = env.bank.joint_pos[env.motion[i], 1 : k + 1]
         lag[i] = metrics.lag_periods(ours, asked, MAX_LAG) * a1.CONTROL_DT
-        jerk[i] = float(np.sqrt(np.mean((np.diff(ours, n=3, axis=0) / a1.CONTROL_DT**3) ** 2)))
+        jerk[i] = metrics.rms_jerk(ours, a1.CONTROL_DT)
     return {"lag": lag, "jerk": jerk}

@@ -31,6 +31,10 @@ APART = 0.05
 """m: an ankle this much higher above where it stands than the other is lifted."""
 STEP_GAP = 0.55
 """s: a march goes on between lifts no longer apart than twice this; then it is a stand."""
+CIRCLES, RESTS = 0.7, 0.05
+"""Share of the full pace of circling from which hands go round, and up to which they rest."""
+BUSY = 0.1
+"""Share of an idle gesture from which somebody does it."""
 MARCHERS = 6
 """One in so many people marches where walking is circling the hands."""
 LENGTH: dict[str, tuple[float, float]] = {
@@ -170,10 +174,10 @@ def circle_labels(
     """
     if not circles:
         return np.where(label == WALK, STAND, label)
-    circling = performance.pace > 0.7
-    busy = performance.idle.max(axis=1) > 0.1
+    circling = performance.pace > CIRCLES
+    busy = performance.idle.max(axis=1) > BUSY
     walk = circling & ~busy & (label == STAND)
-    between = (performance.pace > 0.05) & ~walk & (label == STAND)
+    between = (performance.pace > RESTS) & ~walk & (label == STAND)
     return np.where(walk, WALK, np.where(between, UNLABELLED, label))
 
 

@@ -95,8 +95,9 @@ def told(config: PolicyTraining, stage: PolicyTraining) -> PolicyTraining:
     """`config`, and where it was not given a setting, what the stage has."""
     own = {f.name: getattr(config, f.name) for f in fields(config)}
     ppo = {f.name: getattr(config.ppo, f.name) for f in fields(config.ppo)}
-    for values, of in ((own, stage), (ppo, stage.ppo)):
-        values.update({k: getattr(of, k) for k, v in values.items() if not given(v)})
+    # Among PPO's figures None is one: no KL to steer the rate by.
+    own.update({k: getattr(stage, k) for k, v in own.items() if v is None or not given(v)})
+    ppo.update({k: getattr(stage.ppo, k) for k, v in ppo.items() if not given(v)})
     return replace(config, **{**own, "ppo": replace(config.ppo, **ppo)})
 
 

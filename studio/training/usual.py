@@ -16,5 +16,5 @@ class UsualInt(int):
 
 
 def given(value: Any) -> bool:
-    """Whether a setting was given: neither None nor a usual value."""
-    return value is not None and not isinstance(value, Usual | UsualInt)
+    """Whether a setting was given, be it None: it is no usual value."""
+    return not isinstance(value, Usual | UsualInt)

@@ -11,11 +11,13 @@ import pytest
 from make_ticks import make_ticks
 
 from studio import geometry
+from studio.metrics import lag_periods
 from studio.paths import package_folder
+from studio.robot.a1 import CONTROL_DT
 from studio.takes.as_json import tick_dict
 from studio.takes.columns import columns
 from studio.takes.record.recorder import Recorder
-from studio.takes.series import series
+from studio.takes.series import LAG_MOST, LAG_OVER, series
 from studio.takes.take import read_take
 
 EXAMPLE = "example-tilt-and-reach"
@@ -55,6 +57,18 @@ def test_a_take_s_signals_are_those_that_the_page_plots_live(tmp_path: Path):
         np.testing.assert_array_equal(np.isnan(ours), np.isnan(theirs), err_msg=name)
         assert np.nanmax(np.abs(ours - theirs)) < allowed, name
     assert np.nanmax(found["joints_late_ms"]) > 0.0
+
+
+def test_a_lag_over_the_last_seconds_is_the_metric_s_own():
+    table = columns(package_folder("sessions") / EXAMPLE)
+    late = series(table, len(table))["joints_late_ms"]
+    asked, done = table.rows["reference_joint_pos"], table.rows["robot_joint_pos"]
+    seen = np.flatnonzero(np.isfinite(late))[::30]
+    assert len(seen) > 3
+    for at in seen:
+        over = slice(at + 1 - LAG_OVER - LAG_MOST, at + 1)
+        whole = 1000.0 * CONTROL_DT * lag_periods(done[over], asked[over], LAG_MOST)
+        assert late[at] == pytest.approx(whole, abs=34.0)  # of a few ticks less: one may be as good
 
 
 def test_what_stands_out_for_one_tick_is_seen_among_few_points_and_in_any_block(tmp_path: Path):

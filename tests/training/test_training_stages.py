@@ -39,6 +39,7 @@ def test_what_was_told_holds_in_every_stage():
     for stage in stages_of(told):
         assert (stage.transitions, stage.samples, stage.ppo.gamma) == (5, 10, 0.5)
     assert stages_of(told)[1].ppo.max_learning_rate == 3e-4
+    assert stages_of(replace(told, ppo=PpoConfig(desired_kl=None)))[1].ppo.desired_kl is None
 
 
 def test_what_is_given_holds_though_it_is_the_default(monkeypatch: pytest.MonkeyPatch):

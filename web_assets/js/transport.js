@@ -1,6 +1,7 @@
 // The bar below the view of a source with a timeline: play, pause, seek, step, loop, speed, again.
 
 import { $, $button, $input, $select, attempt, showIcon, text } from "./dom.js";
+import { rarely } from "./rarely.js";
 
 /** @import { Move, Played, State } from "../types/page.js" */
 /** @import { Entry } from "./palette.js" */
@@ -67,8 +68,6 @@ export class TransportBar {
   /** Of what has ended, the source. */
   #over = "";
   #sent = 0;
-  /** @type {ReturnType<typeof setTimeout> | undefined} */
-  #late;
   /** Whether the slider is held. */
   #held = false;
 
@@ -111,17 +110,10 @@ export class TransportBar {
   /** @param {number} frames */
   #step = (frames) => this.#move({ action: "step", frames });
 
-  /** The last place must arrive; those on the way may be thinned. @param {number} position_s */
-  #seek(position_s) {
-    clearTimeout(this.#late);
-    const send = () => {
-      this.#sent = performance.now();
-      this.#move({ action: "seek", position_s });
-    };
-    const wait = RARELY - (performance.now() - this.#sent);
-    if (wait <= 0) send();
-    else this.#late = setTimeout(send, wait);
-  }
+  #seek = rarely(RARELY, (/** @type {number} */ position_s) => {
+    this.#sent = performance.now();
+    this.#move({ action: "seek", position_s });
+  });
 
   /** @param {KeyboardEvent} event */
   #key(event) {

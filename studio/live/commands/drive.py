@@ -1,11 +1,12 @@
 """Who is watched, by which mapper, and what the robot does with it."""
 
+import math
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, StrictBool, model_validator
 
 from studio.control.controllers import CONTROLLERS
-from studio.control.staleness import STAND_AFTER
+from studio.control.staleness import missing
 from studio.errors import StudioError
 from studio.live.command import Command, Made, Number, OneOf, with_why
 from studio.live.mappers import SHIPPED, OpenedMapper, open_mapper
@@ -158,11 +159,11 @@ class Calibrate(Command):
 
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """The way the person faces now is straight ahead. StudioError where nobody is seen."""
-        age = runtime.safety.stale_s(now)
         then = "stand before the sensor, upright and quiet, then calibrate"
-        if age is None or age > STAND_AFTER:
-            since = "" if age is None else f" for {age:.0f} s"
-            raise StudioError(f"nobody has been seen{since}: {then}")
+        age = runtime.safety.stale_s(now)
+        unseen, why = missing(math.inf if age is None else age)
+        if unseen:
+            raise StudioError(f"{why}; {then}")
         if not runtime.puppeteer.retargeter.extractor.calibrator.neutral_now():
             raise StudioError(f"hips and shoulders are not seen: {then}")
         return {}

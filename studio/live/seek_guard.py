@@ -1,4 +1,4 @@
-"""The source read for the robot; who was taken elsewhere in a timeline is met anew, standing."""
+"""The source as the robot follows it: after a jump in its timeline, from a stand."""
 
 from studio.control.drive_command import Reason
 from studio.human.pose import HumanPose
@@ -8,7 +8,7 @@ from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
 
 
-class Meeting:
+class SeekGuard:
     """Remembers whether a robot that walked comes to a stand, for which the person waits: who
     goes on in another phase of their stride fells it. Only the loop's thread calls it."""
 
