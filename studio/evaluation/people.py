@@ -8,7 +8,7 @@ import logging
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +26,13 @@ from studio.retarget.experts import EXPERTS
 from studio.robot import kinematics
 from studio.robot.a1 import CONTROL_DT, FOOT_RADIUS
 from studio.sources import open_source, spec_of
+from studio.synthetic.impaired import real_sent_by
 from studio.takes.tick import Tick
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
 Array = NDArray[np.float64]
+SensorName = Literal["mocap", "dropped", "kinect", "webcam"]
 
 GOAL_OVERALL, GOAL_EACH = 0.90, 0.75
 """Share of labelled frames with the right expert: over all clips, and on each."""
@@ -48,6 +50,9 @@ class Options(TableOptions):
     """Which human motion means walking."""
     controller: ControllerName | None = None
     """What turns the reference into an action (default: policy once trained)."""
+    sensor: SensorName | None = None
+    """As this sensor would have sent them: late, noisy, with frames and limbs lost (default: as
+    they are)."""
     starts: float | None = None
     """Instead of labels, falls: every clip, in folders below too, begun anew each so many s."""
 
@@ -84,7 +89,10 @@ def drive_clip(options: Options, name: str) -> list[Tick]:
     """Every tick of a clip, to its end even if the robot falls on the way."""
     spec = spec_of(options.clips / name)
     config = PuppeteerConfig(style=options.style, controller=options.controller, seed=options.seed)
-    with closing(open_source(spec, seed=options.seed, style=options.style)) as source:
+    with closing(open_source(spec, seed=options.seed, style=options.style)) as opened:
+        source = opened
+        if options.sensor is not None:
+            source = real_sent_by(options.sensor, opened, options.seed)
         return list(drive(met(source, config), source, through_falls=True))
 
 
@@ -105,6 +113,7 @@ def clip_row(options: Options, name: str, intervals: list[dict[str, Any]]) -> di
     heights = np.array([tick.robot.base_pos[2] for tick in alive])
     row: dict[str, Any] = {
         "case": name,
+        "sensor": options.sensor,
         "controller": summary["controller"],
         "seed": options.seed,
         "frames": len(ticks),
@@ -144,6 +153,7 @@ def overall(rows: list[dict[str, Any]]) -> dict[str, Any]:
     share = right / labelled if labelled else None
     return {
         "case": "all",
+        "sensor": rows[0]["sensor"],
         "controller": rows[0]["controller"],
         "seed": rows[0]["seed"],
         "frames": frames,

@@ -4,14 +4,18 @@ from collections import deque
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
+from studio import geometry
 from studio.human.pose import HumanPose
+from studio.human.posture import body_heading
 from studio.human.skeleton import INDEX
 from studio.mocap.source import Source
 from studio.mocap.source_report import SourceReport
 from studio.reference import gait
 from studio.reference.intent import Intent
 from studio.synthetic.operator import InteractiveOperator, OperatorSource
+from studio.synthetic.sensor import Sensor, SensorState
 from studio.synthetic.travelling import Travelling
 
 
@@ -34,6 +38,7 @@ IMPAIRMENTS: dict[str, Impairment] = {
     "mocap": Impairment(),
     "dropped": Impairment(sensor="kinect", drop=0.03, gaps=0.1),
     "kinect": Impairment(sensor="kinect", delay=(0.010, 0.060), drop=0.01, gaps=0.03, glitches=0.1),
+    "webcam": Impairment(sensor="webcam", delay=(0.040, 0.120), drop=0.20, gaps=0.03, glitches=0.1),
 }
 BRISK = "brisk"
 """The source of somebody who walks straight on, at one speed drawn from the upper 40 % of what
@@ -49,11 +54,18 @@ _THROW = 0.35
 class Impaired(Source):
     """Wraps a source; the same seed impairs it the same way. One thread only."""
 
-    def __init__(self, source: Source, impairment: Impairment, seed: int = 0) -> None:
+    def __init__(
+        self,
+        source: Source,
+        impairment: Impairment,
+        seed: int = 0,
+        sensor: "SensorBefore | None" = None,
+    ) -> None:
+        """sensor: through which the source is seen, too, whose poses have no noise of their own."""
         self.name, self.starts_live = source.name, source.starts_live
         self.duration, self.tours, self.take = source.duration, source.tours, source.take
         self._source, self._how = source, impairment
-        self._rng = np.random.default_rng([seed, 7])
+        self._rng, self._sensor = np.random.default_rng([seed, 7]), sensor
         self._underway: deque[tuple[float, HumanPose]] = deque()
         self._gap_until, self._glitch_left = -1.0, 0
         self._last_t = 0.0
@@ -69,8 +81,8 @@ class Impaired(Source):
         return self._source.report
 
     def calibration_poses(self) -> list[HumanPose]:
-        """As the source's: somebody calibrates in peace."""
-        return self._source.calibration_poses()
+        """As the source's, seen through the sensor: somebody calibrates in peace."""
+        return [self._seen(pose) for pose in self._source.calibration_poses()]
 
     def close(self) -> None:
         """As the source's."""
@@ -113,11 +125,14 @@ class Impaired(Source):
         if pose is not None and draws[2] >= how.drop and t >= self._gap_until:
             if self._glitch_left > 0:
                 pose, self._glitch_left = self._glitched(pose), self._glitch_left - 1
-            self._underway.append((t + float(rng.uniform(*how.delay)), pose))
+            self._underway.append((t + float(rng.uniform(*how.delay)), self._seen(pose)))
         arrived = None
         while self._underway and self._underway[0][0] <= t + 1e-9:
             arrived = self._underway.popleft()[1]
         return arrived
+
+    def _seen(self, pose: HumanPose) -> HumanPose:
+        return pose if self._sensor is None else self._sensor.see(pose)
 
     def _glitched(self, pose: HumanPose) -> HumanPose:
         joints = np.array(pose.joint_pos_w)
@@ -128,6 +143,36 @@ class Impaired(Source):
             for left, right in _SIDES if self._kind else _LEGS:
                 joints[[left, right]] = joints[[right, left]]
         return replace(pose, joint_pos_w=joints)
+
+
+class SensorBefore:
+    """A sensor that stands before real people: its noise is along and across how they face at
+    first."""
+
+    def __init__(self, kind: str, seed: int) -> None:
+        """kind: of `sensor.SENSORS`."""
+        rng = np.random.default_rng([seed, 11])
+        self._state = SensorState(Sensor.sample(rng, kind), rng)
+        self._facing: NDArray[np.float64] | None = None
+
+    def see(self, pose: HumanPose) -> HumanPose:
+        """What it makes of the next pose; what was not seen before is not now."""
+        if self._facing is None:
+            heading, _ = body_heading(pose.joint_pos_w, pose.confidence)
+            self._facing = geometry.quat_from_yaw(heading)
+        ahead = geometry.quat_rotate_inverse(self._facing, pose.joint_pos_w)
+        seen, confidence = self._state.see(ahead[None])
+        return replace(
+            pose,
+            joint_pos_w=geometry.quat_rotate(self._facing, seen[0]),
+            confidence=np.minimum(pose.confidence, confidence[0]),
+        )
+
+
+def real_sent_by(sensor: str, source: Source, seed: int) -> Impaired:
+    """Real people (of `source`) as a sensor (of IMPAIRMENTS) would have sent them."""
+    how = IMPAIRMENTS[sensor]
+    return Impaired(source, how, seed, SensorBefore(how.sensor, seed))
 
 
 def sent_by(sensor: str, source: str, seed: int, style: str = "march") -> Impaired:

@@ -1,6 +1,7 @@
 """Minutes of driving: falls are counted and stood up from, with an honest interval."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,15 @@ from studio.evaluation import long_drive
 from studio.evaluation.long_drive import NoisySensors
 from studio.rl.noise import NoiseConfig
 from studio.sim.world import World
-from studio.synthetic.impaired import BRISK, IMPAIRMENTS, Impaired, Impairment, sent_by
+from studio.synthetic.impaired import (
+    BRISK,
+    IMPAIRMENTS,
+    Impaired,
+    Impairment,
+    SensorBefore,
+    real_sent_by,
+    sent_by,
+)
 from studio.synthetic.operator import OperatorSource
 
 DT = 1.0 / 30.0
@@ -173,3 +182,50 @@ def test_every_impairment_can_be_watched():
         source = sent_by(name, "operator:walk", 100)
         assert source.calibration_poses()
         assert any(source.read(k * DT) is not None for k in range(10)), how
+
+
+def seen_by(kind: str, turned: float, frames: int = 300) -> tuple[np.ndarray, np.ndarray]:
+    """Errors (T, 19, 3) m ahead, aside and up of who faces `turned` rad, and confidence."""
+    clean = OperatorSource("quiet", seed=1)
+    facing = geometry.quat_from_yaw(turned)
+    sensor, errors, sure = SensorBefore(kind, 4), [], []
+    for k in range(frames):
+        pose = clean.read(k * DT)
+        there = replace(pose, joint_pos_w=geometry.quat_rotate(facing, pose.joint_pos_w))
+        seen = sensor.see(there)
+        moved = seen.joint_pos_w - there.joint_pos_w
+        errors.append(geometry.quat_rotate_inverse(facing, moved))
+        sure.append(seen.confidence)
+    return np.array(errors), np.array(sure)
+
+
+def test_a_sensor_before_real_people_errs_most_in_depth_however_they_face():
+    ahead, _ = seen_by("kinect", 0.0)
+    aside, _ = seen_by("kinect", 1.4)
+    jitter = np.diff(ahead, axis=0).std(axis=(0, 1))
+    assert jitter[0] > 1.2 * jitter[1:].max()
+    np.testing.assert_allclose(np.diff(aside, axis=0).std(axis=(0, 1)), jitter, rtol=0.1)
+
+
+def test_a_webcam_sees_no_place_and_loses_limbs_and_nothing_unseen_is_seen():
+    clean = OperatorSource("quiet", seed=1).read(0.0)
+    far = replace(clean, joint_pos_w=clean.joint_pos_w + (2.0, 1.0, 0.0))
+    far = replace(far, confidence=np.where(np.arange(19) == 7, 0.0, far.confidence))
+    seen = SensorBefore("webcam", 0).see(far)
+    assert np.abs(seen.joint_pos_w[0]).max() < 0.2
+    assert seen.confidence[7] == 0.0
+    _, sure = seen_by("webcam", 0.0, frames=2000)
+    assert 0.0 < np.mean(sure == 0.0) < 0.1
+
+
+def test_real_people_are_sent_the_same_way_for_a_seed():
+    def sent(seed: int) -> list[np.ndarray | None]:
+        source = real_sent_by("webcam", OperatorSource("quiet", seed=2), seed)
+        poses = [source.read(k * DT) for k in range(60)]
+        return [None if pose is None else pose.joint_pos_w for pose in poses]
+
+    first, again, other = sent(1), sent(1), sent(2)
+    for one, two in zip(first, again, strict=True):
+        np.testing.assert_array_equal(one, two)
+    assert any(one is None for one in first)
+    assert [one is None for one in first] != [one is None for one in other]
