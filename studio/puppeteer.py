@@ -18,6 +18,7 @@ from studio.control.state_machine import Decision, StateMachine
 from studio.errors import unknown_name
 from studio.human.calibration import Calibration
 from studio.human.pose import HumanPose
+from studio.link.link import Order, RobotLink
 from studio.mocap.human_tracker import HumanTracker
 from studio.options import Travel
 from studio.reference.intent import STATES, StateName
@@ -28,7 +29,7 @@ from studio.retarget.store import Experts
 from studio.robot.a1 import CONTROL_DT
 from studio.robot.pose import ReferencePose, RobotState
 from studio.scenes.stage import Stage
-from studio.sim.actuation import LowPass, limit_target
+from studio.sim.actuation import MotorTargets
 from studio.takes.tick import Tick
 
 FIRST_VOTE = 1.0
@@ -43,16 +44,16 @@ class Puppeteer:
         config: PuppeteerConfig | None = None,
         calibration: Calibration | None = None,
         retargeter: Retargeter | None = None,
+        link: RobotLink | None = None,
     ) -> None:
-        """StudioError for unknown names, or where no experts are trained for the style."""
+        """link: None for a simulated robot. StudioError for unknown names or untrained experts."""
         self.config = config = config or PuppeteerConfig()
         self.retargeter = retargeter or Retargeter.load(
             config.style, calibration, mirror=config.mirror, travel=config.travel == "auto"
         )
-        self.state_machine = StateMachine()
-        self.controller = open_controller(config.controller)
-        self.low_pass, self.stage = LowPass(), Stage(config.scene, config.seed)
-        self.world = self.stage.world
+        self.state_machine, self.controller = StateMachine(), open_controller(config.controller)
+        self.motors, self.stage = MotorTargets(), Stage(config.scene, config.seed, link)
+        self.link = self.stage.link
         self.lock_state(config.state)
         for name in LIMITS:
             self.set_gain(name, getattr(config, name))
@@ -73,12 +74,12 @@ class Puppeteer:
         fresh = self.person.see(human)
         if callable(command):
             command = command(self.person.age)
+        command, self.robot = self.link.advise(command), self.link.sense()
         with times("retarget"):
             watch = not self._go_on_from_here()
             mapped = self.retargeter.step(self.person.now, CONTROL_DT, watch=watch)
-        if shown is not None:
-            self._placed = True
-        elif not self._placed:
+        self._placed |= shown is not None
+        if not self._placed:
             self._place_at_first_vote(mapped, command)
         with times("controller"):
             wanted: StateName = self.lock or mapped.active  # type: ignore[assignment]
@@ -87,12 +88,11 @@ class Puppeteer:
                 wanted, reference = shown
             decision = self.state_machine.step(wanted, reference, command.directive, command.ramp)
         with times("policy"):
-            action = self.controller.act(self._controller_input(decision))
+            action = self.controller.act(now := self._controller_input(decision))
         with times("filter"):
-            target = limit_target(self.low_pass.step(action), self._target)
+            target = self.motors.step(action)
         with times("physics"):
-            self.world.set_damping(command.damping)
-            self.robot, self._target = self.stage.step(target), target
+            self.robot = self.stage.step(Order(target=target, asked=now, damping=command.damping))
         clipped = mapped.clipped and self.state_machine.following
         self.reason, why = command.reason, command.why
         if not why and shown is None:
@@ -115,7 +115,7 @@ class Puppeteer:
             controller=self.controller.name,
             reference=decision.reference if shown is None else shown[1],
             action=action,
-            target=target,
+            target=self.link.target,
             robot=self.robot,
             clipped=clipped,
             fallen=self.fallen,
@@ -128,9 +128,10 @@ class Puppeteer:
         """Forget the person; the robot stands at the origin and starts in the first voted state."""
         self.retargeter.reset()
         self.person = HumanTracker(reuse=STAND_AFTER, stale=STALE_AFTER)
-        self._index, self._waited, self._clipped, self._placed = 0, 0.0, 0, False
         self.reason: Reason = ""
         self.retargeted: Retargeted | None = None
+        self._index, self._waited, self._clipped = 0, 0.0, 0
+        self._placed = not self.link.simulated  # any other robot stands where it is
         self.place("stand")
 
     def forget_person(self, calibration: Calibration | None = None) -> None:
@@ -147,8 +148,7 @@ class Puppeteer:
 
     def align_robot_to_reference(self) -> None:
         """The robot goes on where its reference is and faces, if nothing is in its way."""
-        pose = self.state_machine.reference
-        self.robot = self.stage.move_robot(pose.base_pos[:2], pose.yaw)
+        self.robot = self.stage.move_robot(self.state_machine.reference)
 
     def place(self, state: StateName, *, here: bool = False) -> None:
         """At rest in the neutral pose of `state`, where the scene begins or where the robot is."""
@@ -158,6 +158,7 @@ class Puppeteer:
 
     def stand_up(self) -> None:
         """After a fall or a stop, 1 s from a crouch: where it is, or where a scene begins anew."""
+        self.link.rise()
         self.state_machine.crouch(*self.stage.restart_at(self.robot))
         self._restart()
         self._placed = True
@@ -165,8 +166,7 @@ class Puppeteer:
     def _restart(self) -> None:
         reference = self.state_machine.reference
         self.robot: RobotState = self.stage.reset(reference)
-        self.low_pass.reset(reference.joint_pos)
-        self._target = reference.joint_pos
+        self.motors.reset(reference.joint_pos)
         self.controller.reset(self._controller_input())
         self.fallen = False
 
@@ -208,7 +208,7 @@ class Puppeteer:
 
     def set_stage(self, stage: Stage) -> None:
         """Another scene, from its beginning; the robot stands up in it."""
-        self.stage, self.world = stage, stage.world
+        self.stage, self.link = stage, stage.link
         self.config = replace(self.config, scene=stage.name)
         self.place("stand")
         self.rejoin()

@@ -171,7 +171,7 @@ def test_unknown_names_are_answered_with_the_known_ones():
 def test_a_robot_that_lies_on_its_trunk_has_fallen_and_stays_fallen():
     puppeteer, poses = make()
     assert not run(puppeteer, poses, 0.2)[-1].fallen
-    puppeteer.world.push(np.array([0.0, 4.0, 0.0]))
+    puppeteer.stage.world.push(np.array([0.0, 4.0, 0.0]))
     assert run(puppeteer, poses, 1.5)[-1].fallen
 
 

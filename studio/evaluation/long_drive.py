@@ -81,9 +81,9 @@ def endure(case: Case, seed: int) -> Run:
     puppeteer = met(source, config)
     puppeteer.controller = _controller(case, seed)
     if case.dynamics == "table_i":
-        links = int(np.count_nonzero(puppeteer.world.model.body_mass > 0.0))
+        links = int(np.count_nonzero(puppeteer.stage.world.model.body_mass > 0.0))
         drawn = randomize.draw(np.random.default_rng(seed), 1, links)
-        puppeteer.world.set_dynamics(drawn)
+        puppeteer.stage.world.set_dynamics(drawn)
     puppeteer.reset()
     falls: list[float] = []
     lying = 0.0

@@ -238,9 +238,10 @@ class Runtime:
             log.error("%s", error)
 
     def close(self) -> None:
-        """End a take in good order and free the source."""
+        """End a take in good order, free the source and the robot."""
         self.replaced.forget()
         self.recorder.close()
         self.runs.close()
         self.collector.close()
         self.reader.close()
+        self.puppeteer.link.close()

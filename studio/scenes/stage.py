@@ -1,4 +1,4 @@
-"""A scene being played: the world it is set in, what has been done in it, and when."""
+"""A scene being played: robot and world it is set in, what has been done in it, and when."""
 
 from dataclasses import dataclass
 
@@ -7,6 +7,9 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import TypedDict
 
 from studio import geometry, metrics
+from studio.errors import StudioError
+from studio.link.link import Order, RobotLink
+from studio.link.sim import SimLink
 from studio.robot.a1 import CONTROL_DT
 from studio.robot.pose import RobotPose, RobotState
 from studio.scenes.registry import scene as scene_of
@@ -59,18 +62,35 @@ class Done:
 class Stage:
     """The world and a scene's progress in it. One thread; the same seed and targets, the same run.
 
-    The clock runs from the robot's first movement until the last step is done, or it fails.
+    The clock runs from the robot's first movement until the last step is done, or it fails. link:
+    drives the robot.
     """
 
-    def __init__(self, name: str, seed: int = 0) -> None:
-        """StudioError for an unknown scene."""
+    def __init__(self, name: str, seed: int = 0, link: RobotLink | None = None) -> None:
+        """link: its robot is set into the scene (default: a simulated one of its own).
+
+        StudioError for an unknown scene, or one with props for a robot that is not simulated here.
+        """
         self.name, self.scene = name, scene_of(name)
-        props = self.scene.props
-        self.world = PropWorld(props, seed) if props else World(seed=seed)
-        self._pull = Pull()
-        x, y, yaw = self.scene.start
-        self.start: tuple[Array, float] = (np.array([x, y]), yaw)
+        self.link, props = link or SimLink(), self.scene.props
+        if self.link.simulated:
+            self.link.enter(PropWorld(props, seed) if props else World(seed=seed))
+        elif props:
+            raise StudioError(f"scene {name!r} is for the simulated robot, not {self.link.name}")
+        self._pull, self._robot = Pull(), self.link.sense()
         self._clear()
+
+    @property
+    def world(self) -> World:
+        """Of the simulated robot. StudioError where the robot is another."""
+        return self.link.world
+
+    @property
+    def start(self) -> tuple[Array, float]:
+        """Where the scene begins: (2,) m, heading rad; a robot that cannot be placed is there."""
+        x, y, yaw = self.scene.start
+        placed = (np.array([x, y]), yaw)
+        return placed if self.link.simulated else self.restart_at(self.link.sense())
 
     def restart_at(self, robot: RobotState) -> tuple[Array, float]:
         """Where a robot that is set upright stands: (2,) m, heading rad. Among props, the start."""
@@ -79,28 +99,36 @@ class Stage:
     def reset(self, pose: RobotPose) -> RobotState:
         """The scene from its beginning, the robot at rest in `pose`."""
         self._clear()
-        world = self.world
-        state = world.reset(pose)
-        if isinstance(world, PropWorld):
+        state = self._robot = self.link.place(pose)
+        if self.scene.props:
+            world = self._prop_world
             for name, by in self.scene.scatter.items():
                 world.put(name, world.props[name].pos + world.rng.uniform(-1.0, 1.0, 3) * by)
             self.seen = self._look(world, state)
         self._from = state
         return state
 
-    def step(self, target: Array) -> RobotState:
-        """One control period of the world towards joint targets (12,) rad, and what came of it."""
-        self._pull.step(self.world)
-        state = self.world.step(target)
-        if isinstance(self.world, PropWorld):
-            self.seen = self._look(self.world, state)
+    def step(self, order: Order) -> RobotState:
+        """One control period of the robot under this order, and what came of it."""
+        if self.link.simulated:
+            self._pull.step(self.world, order.damping)
+        state = self._robot = self.link.exchange(order)
+        if self.scene.props:
+            world = self._prop_world
+            self.seen = self._look(world, state)
             if self.step_now is not None and self.failed is None:
-                self._play(self.world, self.step_now, self.seen)
+                self._play(world, self.step_now, self.seen)
         return state
+
+    @property
+    def _prop_world(self) -> PropWorld:
+        assert isinstance(self.world, PropWorld)
+        return self.world
 
     def push(self, force: ArrayLike, seconds: float) -> None:
         """Somebody's hand at the trunk (`sim.pull`): (3,) N, world, for so long. The run is no
-        longer the driver's alone."""
+        longer the driver's alone. StudioError for a robot that is not simulated here."""
+        _ = self.world
         self._pull.ask(force, seconds)
         self.pushed = True
 
@@ -111,21 +139,23 @@ class Stage:
 
     def prop_poses(self) -> PropPoses | None:
         """Where props are; None without any. Of the thread that steps."""
-        return self.world.poses() if isinstance(self.world, PropWorld) else None
+        return self._prop_world.poses() if self.scene.props else None
 
-    def move_robot(self, base_xy: Array, yaw: float) -> RobotState:
-        """The robot goes on at (2,) m, heading yaw rad; among props it stays where it is."""
-        if self.scene.props:
-            return self.world.state
-        return self.world.move_base(base_xy, yaw)
+    def move_robot(self, to: RobotPose) -> RobotState:
+        """The robot goes on where `to` is and faces; among props it stays where it is, and so
+        does one that is not simulated here."""
+        if self.scene.props or not self.link.simulated:
+            return self.link.sense()
+        self._robot = self.world.move_base(to.base_pos[:2], to.yaw)
+        return self._robot
 
     def fallen(self, reference: RobotPose) -> bool:
         """The robot has fallen, whose reference is this; then the scene has failed."""
-        robot = self.world.state
+        robot = self._robot
         fell = metrics.fallen(robot.trunk_contact, robot.base_quat, reference.base_quat)
-        if fell:
+        if fell and self.link.ready:
             self._fail("the robot fell")
-        return bool(fell)
+        return bool(fell) and self.link.ready
 
     @property
     def step_now(self) -> Step | None:

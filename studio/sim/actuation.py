@@ -54,6 +54,23 @@ class LowPass:
         return y
 
 
+class MotorTargets:
+    """A controller's actions to the targets that motors are given; one thread at a time."""
+
+    def __init__(self) -> None:
+        self._low_pass, self.last = LowPass(), a1.STAND_JOINT_POS
+
+    def reset(self, joint_pos: Array) -> None:
+        """At rest at joint_pos (12,) rad."""
+        self._low_pass.reset(joint_pos)
+        self.last = joint_pos
+
+    def step(self, action: ArrayLike) -> Array:
+        """(12,) rad of an action (12,) rad: low-pass, then limits."""
+        self.last = limit_target(self._low_pass.step(action), self.last)
+        return self.last
+
+
 def limit_target(target: ArrayLike, previous: ArrayLike | None = None) -> Array:
     """Targets (..., 12) rad within the joint limits and, given the previous ones, the joint speed.
 

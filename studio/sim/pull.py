@@ -35,9 +35,9 @@ class Pull:
         """Nothing acts any more."""
         self.force, self._left = np.zeros(3), 0.0
 
-    def step(self, world: World) -> None:
-        """Before each control period of `world`. A robot that is damped is let go of."""
-        if world.damping or self._left <= 1e-9:
+    def step(self, world: World, damping: bool = False) -> None:
+        """Before each control period of `world`. damping: a robot that is damped is let go of."""
+        if damping or self._left <= 1e-9:
             self.let_go()
         if self._acts or self.force.any():
             world.data.xfrc_applied[world.model.body("trunk").id, :3] = self.force

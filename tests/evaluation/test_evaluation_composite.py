@@ -10,6 +10,7 @@ from studio.evaluation import composite as co
 from studio.evaluation.scene_operator import REACTION_S, Eyes, ScriptedOperator
 from studio.evaluation.scene_plays import walking
 from studio.human.pose import HumanPose
+from studio.link.link import Order
 from studio.reference.intent import Intent
 from studio.reference.sitting import sit_poses
 from studio.reference.stances import NEUTRAL
@@ -126,7 +127,7 @@ def reaches(pose: RobotPose, joints: np.ndarray, x: float) -> bool:
     at = np.append(stage.start[0] + [x, 0.0], pose.base_pos[2])
     stage.reset(replace(pose, base_pos=at, joint_pos=joints[0]))
     for target in joints:
-        stage.step(target)
+        stage.step(Order(target=target))
         assert stage.seen is not None
         if any(("high", paw) in stage.seen.touched for paw in ("FR_foot", "FL_foot")):
             return True

@@ -37,7 +37,7 @@ def knock_over(loop):
     """Throw the trunk aside until it lies."""
     run(loop, 1.0)
     for _ in range(40):
-        loop.runtime.puppeteer.world.push(np.array([0.0, 6.0, 1.5]))
+        loop.runtime.puppeteer.stage.world.push(np.array([0.0, 6.0, 1.5]))
         if run(loop, 0.3)[-1]["stopped"]:
             return
     raise AssertionError("the robot cannot be knocked over")

@@ -36,7 +36,7 @@ def test_a_push_moves_the_robot_that_way_and_ends_by_itself(loop):
     assert abs(pushed[1]) > 2 * abs(pushed[0])
     run(loop, 0.3)
     assert loop.state_dict()["push"] == [0.0, 0.0, 0.0]
-    world = loop.runtime.puppeteer.world
+    world = loop.runtime.puppeteer.stage.world
     assert not world.data.xfrc_applied.any()
 
 
@@ -45,7 +45,7 @@ def test_a_stop_lets_go_and_whoever_is_stopped_cannot_be_pushed(loop):
     run(loop, 0.1)
     assert ask(loop, c.Stop()).ok
     assert loop.state_dict()["push"] == [0.0, 0.0, 0.0]
-    assert not loop.runtime.puppeteer.world.data.xfrc_applied.any()
+    assert not loop.runtime.puppeteer.stage.world.data.xfrc_applied.any()
     refused = ask(loop, c.Push(force=(30.0, 0.0, 0.0)))
     assert not refused.ok
     assert "push" in refused.why
@@ -78,7 +78,7 @@ def test_a_run_that_was_helped_along_is_nobodys_best(loop):
 
 
 def test_without_a_push_the_world_is_untouched(loop):
-    world = loop.runtime.puppeteer.world
+    world = loop.runtime.puppeteer.stage.world
     world.data.xfrc_applied[1, 0] = 3.0  # another's
     Pull().step(world)
     assert world.data.xfrc_applied[1, 0] == 3.0

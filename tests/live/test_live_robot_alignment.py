@@ -42,7 +42,7 @@ def apart(tick):
 
 def test_a_take_begins_with_the_robot_where_its_reference_is(loop):
     before = run(loop, 10.0)[-1]
-    loop.runtime.puppeteer.world.move_base(before.robot.base_pos[:2] + [1.0, 4.0], 2.0)
+    loop.runtime.puppeteer.stage.world.move_base(before.robot.base_pos[:2] + [1.0, 4.0], 2.0)
     assert apart(run(loop, DT)[-1])[0] > 3.0
     assert ask(loop, c.StartTake()).ok
     tick = loop.ticks.get()
@@ -57,7 +57,7 @@ def test_arming_brings_the_robot_back_to_its_reference(loop):
     assert ask(loop, c.Stop()).ok
     assert ask(loop, c.Reset()).ok
     run(loop, 2.0)
-    loop.runtime.puppeteer.world.move_base([5.0, 5.0], -2.0)
+    loop.runtime.puppeteer.stage.world.move_base([5.0, 5.0], -2.0)
     assert ask(loop, c.Arm()).ok
     distance, angle = apart(loop.ticks.get())
     assert distance < 0.02
@@ -66,7 +66,7 @@ def test_arming_brings_the_robot_back_to_its_reference(loop):
 
 def test_a_collected_take_begins_in_place(loop):
     planned(loop)
-    loop.runtime.puppeteer.world.move_base([2.0, -3.0], 1.0)
+    loop.runtime.puppeteer.stage.world.move_base([2.0, -3.0], 1.0)
     assert ask(loop, c.CollectAction(action="go")).ok
     while collect(loop)["phase"] != "record":
         run(loop, DT)

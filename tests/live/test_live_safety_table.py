@@ -145,7 +145,7 @@ def test_row_stop(studio):
 
 
 def test_row_fall(studio):
-    world = studio.loop.runtime.puppeteer.world
+    world = studio.loop.runtime.puppeteer.stage.world
     for _ in range(40):
         world.push(np.array([0.0, 6.0, 1.5]))
         fell = [tick for tick in studio.go(0.3) if tick.fallen]

@@ -5,6 +5,7 @@ import pytest
 
 from studio.errors import StudioError
 from studio.evaluation.scene_plays import PLAYS
+from studio.link.link import Order
 from studio.options import SCENES
 from studio.reference.stances import NEUTRAL
 from studio.robot import a1
@@ -21,7 +22,7 @@ def test_a_scene_is_built_and_begins_with_nothing_done(name: str) -> None:
     state = stage.reset(NEUTRAL["stand"])
     assert np.allclose(state.base_pos[:2], stage.scene.start[:2])
     for _ in range(60):
-        state = stage.step(a1.STAND_JOINT_POS)
+        state = stage.step(Order(target=a1.STAND_JOINT_POS))
     assert state.foot_contact.all()
     assert not state.trunk_contact
     progress = stage.progress()

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from studio import geometry
+from studio.link.link import Order
 from studio.reference.sitting import sit_poses
 from studio.reference.stances import NEUTRAL
 from studio.reference.standing import stand_poses
@@ -47,10 +48,10 @@ def thrown(joint_pos: np.ndarray, tries: int = 3) -> tuple[bool, int]:
     throw = stage.scene.steps[2].throw
     assert throw is not None
     for _ in range(45):
-        stage.step(joint_pos)
+        stage.step(Order(target=joint_pos))
     thrower, hits = Thrower(throw, world), 0
     for _ in range(round(tries * 5.5 / a1.CONTROL_DT)):
-        stage.step(joint_pos)
+        stage.step(Order(target=joint_pos))
         hits += thrower.step(seen(stage))
     return thrower.dodged, hits
 
@@ -145,18 +146,18 @@ def test_props_are_where_chance_put_them_and_the_same_for_a_seed() -> None:
 def test_the_clock_runs_from_the_first_movement_and_a_step_may_be_late() -> None:
     stage = begun("push")
     for _ in range(30):
-        stage.step(STAND)
+        stage.step(Order(target=STAND))
     assert stage.time == 0.0
     stage.world.push(np.array([0.0, 1.0, 0.0]))
     for _ in range(30):
-        stage.step(STAND)
+        stage.step(Order(target=STAND))
     assert stage.time > 0.5
     late = round(stage.scene.steps[0].within / a1.CONTROL_DT)
     stage._step_t = late * a1.CONTROL_DT
-    stage.step(STAND)
+    stage.step(Order(target=STAND))
     assert stage.progress()["failed"] == "out of time"
     time = stage.time
-    stage.step(STAND)
+    stage.step(Order(target=STAND))
     assert stage.time == time
 
 
@@ -166,14 +167,14 @@ def test_a_step_done_is_worth_points_a_touch_costs_some_and_all_begins_anew() ->
     assert isinstance(world, PropWorld)
     pole = world.position("pole1")
     world.move_base(pole[:2] + [0.15, 0.4], 0.0)
-    stage.step(STAND)
+    stage.step(Order(target=STAND))
     progress = stage.progress()
     assert (progress["step"], progress["finished"]) == (1, False)
     assert progress["steps"][0]["done"]
     assert progress["score"] == pytest.approx(WORTH, abs=1)
     world.move_base(pole[:2] + [0.0, 0.14], 0.0)  # into the pole
     for _ in range(5):
-        stage.step(STAND)
+        stage.step(Order(target=STAND))
     assert stage.penalty == PENALTY  # one touch, however long
     assert stage.progress()["score"] == pytest.approx(WORTH - PENALTY, abs=1)
     stage.reset(standing())
@@ -184,7 +185,7 @@ def test_a_robot_on_its_back_has_failed_its_scene() -> None:
     stage = begun("fetch")
     stage.reset(standing(base_quat=geometry.quat_from_rpy([np.pi, 0.0, 0.0])))
     for _ in range(20):
-        stage.step(STAND)
+        stage.step(Order(target=STAND))
     assert stage.fallen(NEUTRAL["stand"])
     assert stage.progress()["failed"] == "the robot fell"
     stage.reset(standing())

@@ -5,6 +5,7 @@ import pytest
 
 from studio import geometry
 from studio.geometry import IDENTITY_QUAT
+from studio.link.link import Order
 from studio.options import SCENES
 from studio.reference.stances import NEUTRAL
 from studio.scenes.registry import scene as scene_of
@@ -77,7 +78,7 @@ def test_a_box_is_drawn_where_it_is_and_sent_only_while_it_moves(inner):
     stage.reset(NEUTRAL["stand"])
     world = stage.world
     for _ in range(30):  # it comes to rest
-        stage.step(NEUTRAL["stand"].joint_pos)
+        stage.step(Order(target=NEUTRAL["stand"].joint_pos))
     still = shown(stage)
     props.update(still, FRAME)
     at = newest(inner, "/robot/props/moving_0")["batched_positions"]

@@ -24,8 +24,10 @@ class SetScene(Command):
     scene: Annotated[str, OneOf("scene", SCENES)]
 
     def prepare(self, runtime: "Runtime") -> Stage:
-        """Build its world."""
-        return Stage(self.scene, runtime.config.puppeteer.seed)
+        """Build its world. StudioError for one that is not for this robot."""
+        link = runtime.puppeteer.link
+        seed = runtime.config.puppeteer.seed
+        return Stage(self.scene, seed, None if link.simulated else link)
 
     def apply(self, runtime: "Runtime", now: float, prepared: Stage) -> Made:
         """The robot stands at its start. StudioError while it is down, or motions are collected."""

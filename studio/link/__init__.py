@@ -1,0 +1,1 @@
+"""What drives a robot: the protocol, a simulated robot in process, any other by UDP."""
