@@ -49,6 +49,21 @@ class Caption:
         return float(self._column[0]), float(self._column[1]), self._shown
 
 
+class World:
+    """Where a robot's own world lies in the view: props are in it, and what a page adds."""
+
+    def __init__(self, scene: viser.SceneApi, figure: str) -> None:
+        self._frame = scene.add_frame(f"/{figure}/world", show_axes=False)
+
+    def move(self, shift: Array, about: Array | None) -> None:
+        """By (3,) m; about: the column (3,) m that it is turned about by half a turn, if any."""
+        turn = IDENTITY_QUAT if about is None else HALF_TURN
+        if not np.array_equal(turn, self._frame.wxyz):
+            self._frame.wxyz = turn
+        at = shift if about is None else faced_away(shift, about)
+        self._frame.position = (float(at[0]), float(at[1]), float(at[2]))
+
+
 class StudioScene:
     """Everything in the view. One thread calls `update`.
 
@@ -103,6 +118,7 @@ class StudioScene:
             "robot": RobotFigure(scene, "robot"),
         }
         self._feet = {name: Feet(scene, name) for name in self._figures}
+        self._worlds = {name: World(scene, name) for name in self._figures}
         self._props = Props(scene)
         self._captions = {name: Caption(scene, name) for name in COLUMNS}
         self._follow = {"reference": Follow(), "robot": Follow()}
@@ -124,21 +140,20 @@ class StudioScene:
                 "reference": foot_pos_w(ref.base_pos, ref.base_quat, ref.joint_pos),
                 "robot": tick.robot.foot_pos_w,
             }
-            shifts = {}
-            for name, pose in (("reference", ref), ("robot", tick.robot)):
-                xy = self._follow[name].push(pose.base_pos[:2], dt)
-                shifts[name] = columns[name] - np.array([xy[0], xy[1], 0.0])
-                feet = all_feet[name] + shifts[name]
+            poses = {"reference": ref, "robot": tick.robot}
+            here = {name: self._follow[name].push(p.base_pos[:2], dt) for name, p in poses.items()}
+            for name, pose in poses.items():
+                shift = columns[name] - np.append(here[name], 0.0)
+                feet = all_feet[name] + shift
                 about = columns[name] if away else None
+                self._worlds[name].move(shift, about)
                 if about is not None:
                     feet = faced_away(feet, about)
-                top = self._figures[name].update(pose, shifts[name], about)
+                top = self._figures[name].update(pose, shift, about)
                 self._captions[name].rise(max(top, feet[:, 2].max()), dt, columns[name])
                 self._feet[name].update(feet, pose.foot_contact)
-            shift, column = shifts["robot"], columns["robot"]
-            turned = (faced_away(shift, column), HALF_TURN)
-            self._props.update(props, turned if away else (shift, IDENTITY_QUAT))
+            self._props.update(props)
             # The floor passes under the simulated robot; its pattern repeats every section.
-            floor = np.mod((-1.0 if away else 1.0) * (shift - column), GRID_SECTION)
+            floor = np.mod((1.0 if away else -1.0) * here["robot"], GRID_SECTION)
             self._floor.position = (float(floor[0]), float(floor[1]), 0.0)
         self._server.flush()

@@ -1,6 +1,6 @@
 """The props of a scene in the view: made when the scene changes, sent again only where they move.
 
-They lie in the simulated robot's world, which a frame shifts to the robot's place in the view.
+They lie in the simulated robot's world (`scene.World`), which the view shifts to its place.
 """
 
 from collections.abc import Sequence
@@ -17,13 +17,11 @@ from studio.web import shapes
 from studio.web.scene_batch import Batch
 
 Array = NDArray[np.float64]
-Frame = tuple[Array, Array]
-"""Where the robot's world is in the view: (3,) m and (4,) wxyz."""
 Parts = list[tuple[PropShape, tuple[float, ...], float]]
 """Prop, size and height above its centre of each of its parts."""
 STRING_RADIUS = 0.004
 STRING_COLOR = (150, 150, 150)
-ROOT = "/robot/props"
+ROOT = "/robot/world/props"
 
 
 class Group:
@@ -59,14 +57,13 @@ class Props:
         self._shown: Scene | None = None
         self._poses: PropPoses | None = None
 
-    def update(self, shown: tuple[Scene, PropPoses] | None, frame: Frame) -> None:
-        """Draw these props, or none, in the robot's world, which lies so in the view."""
+    def update(self, shown: tuple[Scene, PropPoses] | None) -> None:
+        """Draw these props, or none."""
         scene = None if shown is None else shown[0]
         if scene is not self._shown:
             self._set(scene)
         if shown is None:
             return
-        self._frame.position, self._frame.wxyz = (tuple(part.tolist()) for part in frame)
         poses, before = shown[1], self._poses
         if before is not None and np.array_equal(before.pos, poses.pos):
             return
@@ -80,7 +77,7 @@ class Props:
         self._shown, self._poses = scene, None
         if scene is None:
             return
-        self._frame = self._scene.add_frame(ROOT, show_axes=False)
+        self._scene.add_frame(ROOT, show_axes=False)
         self._index = {prop.name: k for k, prop in enumerate(scene.bodied)}
         still = [prop for prop in scene.props if not prop.bodied]
         for group in self._groups("still", still):

@@ -114,19 +114,3 @@ def test_everything_the_page_can_do_is_found_by_typing(served, browsing):
         page.keyboard.press("Enter")
         served.wait(lambda s: s["source"] == "operator:crouch")
         until(page, "() => !document.querySelector('#palette').open")
-
-
-@pytest.mark.long
-def test_a_hidden_figure_and_its_name_are_gone_until_it_is_shown_again(served, browsing):
-    inside = "document.querySelector('#view').contentWindow.__viserMutable"
-    deep = f"{inside}.nodeRefFromName['/reference'].position.z < -100"  # out of sight
-    named = "document.querySelector('.caption[data-figure=reference]').style.visibility"
-    with browsing.page(served, 1024, 700) as page:
-        drawn(page)
-        click(page, '#figures [data-figure="reference"]')
-        until(page, f"() => {deep} && {named} === 'hidden'")
-        page.reload()
-        drawn(page)
-        until(page, f"() => {deep} && {named} !== 'visible'")  # remembered
-        click(page, '#figures [data-figure="reference"]')
-        until(page, f"() => !({deep}) && {named} === 'visible'")

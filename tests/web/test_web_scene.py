@@ -1,5 +1,7 @@
 """Shapes, places and keys: what the view is made of, by numbers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,11 +12,14 @@ from studio.human.shape import BONES
 from studio.human.skeleton import INDEX, NUM_JOINTS, PARENTS
 from studio.live.commands import ReleaseControl, TakeControl
 from studio.live.safety import Safety
+from studio.puppeteer import Puppeteer
 from studio.synthetic.operator import OperatorSource
 from studio.web import shapes
 from studio.web.follow import HUMAN_COLUMN, HUMAN_SCALE, SOLE, Above, Follow, HumanPlace
+from studio.web.guarded_viser import GuardedViser
 from studio.web.keyboard import intent_of
 from studio.web.page_control import PageControl
+from studio.web.scene import StudioScene
 
 DT = 1.0 / 30.0
 
@@ -199,3 +204,27 @@ def test_a_caption_keeps_its_height_until_the_figure_reaches_into_it():
     assert rising[8] == pytest.approx(0.5 + 0.4 * (1.0 - np.exp(-1.0)))  # one time constant
     assert rising[-1] == pytest.approx(0.9, abs=1e-3)
     assert above.push(0.0, 100.0) == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("away", [False, True])
+def test_what_is_in_a_robots_world_is_drawn_where_the_robot_is(away):
+    inner = GuardedViser()
+    try:
+        scene = StudioScene(inner.server, mirror=lambda: not away)
+        tick = Puppeteer().step(OperatorSource("quiet", seed=1).read(0.0))
+        moved = replace(tick.robot, base_pos=tick.robot.base_pos + np.array([7.0, -3.0, 0.0]))
+        tick = replace(tick, robot=moved, mode="collect" if away else "live")
+        scene.update(tick, DT)
+        handles = inner.server.scene._handle_from_node_name
+        world = handles["/robot/world"]
+        base = world.position + geometry.quat_rotate(world.wxyz, moved.base_pos)
+        buffer = inner.server._websock_server._broadcast_buffer
+        (drawn,) = (
+            m.updates["batched_positions"][0]
+            for m in buffer.message_from_id.values()
+            if getattr(m, "name", "") == "/robot/trunk" and hasattr(m, "updates")
+        )
+        np.testing.assert_allclose(base, drawn, atol=1e-6)
+        assert (world.wxyz[0] == 0.0) == away
+    finally:
+        inner.stop()

@@ -12,7 +12,7 @@ PROPS = """() => {
   const root = nodeRefFromName[''];
   const out = {};
   for (const [name, node] of Object.entries(nodeRefFromName)) {
-    if (!/^\\/robot\\/(props|trunk)/.test(name) || !node) continue;
+    if (!/^\\/robot\\/(world\\/props|trunk)/.test(name) || !node) continue;
     node.traverse((mesh) => {
       if (!mesh.getMatrixAt || !mesh.instancesCount) return;
       mesh.updateWorldMatrix(true, false);
@@ -44,7 +44,7 @@ def follow(served, source: str) -> None:
 
 DRAWN = f"""() => {{
   const drawn = ({PROPS})();
-  const [box, mark] = [drawn['/robot/props/moving_0'], drawn['/robot/props/still_0']];
+  const [box, mark] = [drawn['/robot/world/props/moving_0'], drawn['/robot/world/props/still_0']];
   return box && mark && [0, 1].map((i) => box[0][i] - mark[0][i] + [2.3, 0][i]);
 }}"""
 """Where the box is drawn, from the mark, whose place is known: the view shifts both."""
@@ -62,7 +62,10 @@ def test_a_box_is_drawn_where_it_is_moves_as_it_is_pushed_and_goes(page, served)
     until(page, f"() => {{ const at = ({DRAWN})(); return at && {near} > 0.1; }}")
     follow(served, "operator:quiet")
     choose(served, "free")
-    until(page, f"() => !Object.keys(({PROPS})()).some((name) => name.startsWith('/robot/props'))")
+    until(
+        page,
+        f"() => !Object.keys(({PROPS})()).some((name) => name.startsWith('/robot/world/props'))",
+    )
 
 
 def test_who_comes_late_sees_the_props_of_this_scene_alone(served, browsing):
@@ -72,7 +75,7 @@ def test_who_comes_late_sees_the_props_of_this_scene_alone(served, browsing):
     with browsing.page(served, 800, 600, reduced_motion="reduce") as page:
         drawn(page)
         count = (
-            f"() => Object.entries(({PROPS})()).filter(([n]) => n.startsWith('/robot/props/'))"
+            f"() => Object.entries(({PROPS})()).filter(([n]) => n.startsWith('/robot/world/'))"
             + (".flatMap(([, rows]) => rows).length === 4")
         )
         until(page, count)

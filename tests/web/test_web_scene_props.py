@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from studio import geometry
-from studio.geometry import IDENTITY_QUAT
 from studio.link.link import Order
 from studio.options import SCENES
 from studio.reference.stances import NEUTRAL
@@ -13,8 +12,6 @@ from studio.scenes.stage import Stage
 from studio.web import shapes
 from studio.web.guarded_viser import GuardedViser
 from studio.web.scene_props import Props
-
-FRAME = (np.array([0.0, 0.9, 0.0]), IDENTITY_QUAT)
 
 
 @pytest.fixture(scope="module")
@@ -64,13 +61,15 @@ def test_every_scene_can_be_drawn(inner, name):
     props = Props(inner.server.scene)
     stage = Stage(name)
     stage.reset(NEUTRAL["stand"])
-    props.update(shown(stage), FRAME)
+    props.update(shown(stage))
     parts = sum(len(prop.parts()) for prop in scene_of(name).props)
     handles = inner.server.scene._handle_from_node_name
-    drawn = [h for n, h in handles.items() if n.startswith("/robot/props/") and "strings" not in n]
+    drawn = [
+        h for n, h in handles.items() if n.startswith("/robot/world/props/") and "strings" not in n
+    ]
     assert sum(len(h.batched_positions) for h in drawn) == parts
-    props.update(None, FRAME)
-    assert not [n for n in handles if n.startswith("/robot/props")]
+    props.update(None)
+    assert not [n for n in handles if n.startswith("/robot/world/props")]
 
 
 def test_a_box_is_drawn_where_it_is_and_sent_only_while_it_moves(inner):
@@ -80,19 +79,19 @@ def test_a_box_is_drawn_where_it_is_and_sent_only_while_it_moves(inner):
     for _ in range(30):  # it comes to rest
         stage.step(Order(target=NEUTRAL["stand"].joint_pos))
     still = shown(stage)
-    props.update(still, FRAME)
-    at = newest(inner, "/robot/props/moving_0")["batched_positions"]
+    props.update(still)
+    at = newest(inner, "/robot/world/props/moving_0")["batched_positions"]
     np.testing.assert_allclose(at[:, :2], np.tile(world.position("box")[:2], (2, 1)), atol=1e-4)
     assert at[0, 2] > at[1, 2]  # on its foot
     counter = inner.server._websock_server._broadcast_buffer
     before = counter.message_counter
-    props.update(still, FRAME)
-    assert counter.message_counter <= before + 2  # the frame alone
+    props.update(still)
+    assert counter.message_counter == before
     world.put("box", (2.0, 0.3, 0.2))
-    props.update(shown(stage), FRAME)
-    at = newest(inner, "/robot/props/moving_0")["batched_positions"]
+    props.update(shown(stage))
+    at = newest(inner, "/robot/world/props/moving_0")["batched_positions"]
     np.testing.assert_allclose(at[0, :2], [2.0, 0.3], atol=1e-6)
-    props.update(None, FRAME)
+    props.update(None)
 
 
 def test_poses_are_a_snapshot_of_the_scenes_bodies():

@@ -199,6 +199,7 @@ ticks((tick) => {
   controls.drawVotes(tick);
   const captions = captionsOf(tick, studio.state);
   view.caption(captions);
+  view.besides.add(tick, studio.state);
   text($("#state-now"), captions.reference[1]);
   drawMeaning(tick);
   drawUnderWay(tick, source.driving && keyboard.held.includes("W"));

@@ -64,6 +64,18 @@ export function stand(name, aspect, props = false, covered = 0) {
  */
 export const placeOf = (name, figure) => CAMERAS[name].places?.[figure];
 
+/**
+ * How far (x, y in m) a figure that is turned by so much (rad) about the middle of everything is
+ * moved for its column to come to a place.
+ *
+ * @param {[number, number]} column @param {[number, number]} place @param {number} turn
+ * @returns {[number, number]}
+ */
+export function laid([x, y], place, turn) {
+  const [c, s] = [Math.cos(turn), Math.sin(turn)];
+  return [place[0] - (c * x - s * y), place[1] - (s * x + c * y)];
+}
+
 /** The turn (rad) from one heading to another, the short way. @param {number} turn */
 export const wrapped = (turn) => Math.atan2(Math.sin(turn), Math.cos(turn));
 

@@ -1,11 +1,13 @@
 // The view's camera: which one it is, where figures stand for it, and how it follows the robot.
 
-import { placeOf, stand, turnBy, wrapped } from "./cameras.js";
+import { laid, placeOf, stand, turnBy, wrapped } from "./cameras.js";
 import { $, calm, press } from "./dom.js";
+import { haunt } from "./ghosts.js";
 import { angles } from "./motion.js";
 
 /** @import { CameraName, Figure } from "./cameras.js" */
-/** @import { Tick, Viser } from "../types/page.js" */
+/** @import { Looks } from "./looks.js" */
+/** @import { Pose, Tick, Viser } from "../types/page.js" */
 
 const FIGURES = /** @type {Figure[]} */ (["human", "reference", "robot"]);
 /** rad from straight down: it looks up at nothing, so that it stays over the floor. */
@@ -27,9 +29,10 @@ export class ViewCamera {
   /** @type {[number, boolean]} */
   #view = [1, false];
 
-  /** @param {() => Tick | null} newest */
-  constructor(newest) {
+  /** @param {() => Tick | null} newest @param {Looks} looks of the figures */
+  constructor(newest, looks) {
     this.newest = newest;
+    this.looks = looks;
     const kept = localStorage.getItem("camera");
     if (kept && document.querySelector(`[data-camera="${kept}"]`))
       this.name = /** @type {CameraName} */ (kept);
@@ -40,9 +43,16 @@ export class ViewCamera {
     return this.name === "chase" && this.newest()?.mode === "collect" ? "front" : this.name;
   }
 
-  /** Whether a figure is shown by it. @param {string} figure */
+  /** Whether a figure is to be seen. @param {string} figure */
   shows(figure) {
-    return placeOf(this.#used, /** @type {Figure} */ (figure)) !== null;
+    if (this.looks.of(figure) === "hidden") return false;
+    return placeOf(this.#used, this.#beside(figure)) !== null;
+  }
+
+  /** In whose place a figure stands. @param {string} figure @returns {Figure} */
+  #beside(figure) {
+    const over = figure === "reference" && this.looks.on("overlay");
+    return over ? "robot" : /** @type {Figure} */ (figure);
   }
 
   /**
@@ -73,32 +83,43 @@ export class ViewCamera {
     localStorage.setItem("camera", this.name);
   }
 
-  /** Every frame. @param {Viser} viser @param {Set<string>} hidden figures */
-  follow(viser, hidden) {
+  /** Every frame. @param {Viser} viser */
+  follow(viser) {
     const now = performance.now();
     const dt = Math.min(0.5, (now - this.#then) / 1000);
     this.#then = now;
     if (this.#wanted !== this.#used) this.look(viser, ...this.#view, false);
-    for (const figure of FIGURES) this.#stand(viser, figure, hidden.has(figure));
+    for (const figure of FIGURES) {
+      this.#stand(viser, figure);
+      haunt(viser, figure, this.looks.of(figure) === "ghost");
+    }
     this.#chase(viser, dt);
     this.#overFloor(viser);
   }
 
   /**
    * Put a figure where it stands for this camera, or out of sight: viser sets each frame anew what
-   * is visible.
+   * is visible. One that is laid over the robot heads as it does, so that what is left between the
+   * two is how they stand.
    *
-   * @param {Viser} viser @param {Figure} figure @param {boolean} hidden
+   * @param {Viser} viser @param {Figure} figure
    */
-  #stand({ nodeRefFromName, requestRender }, figure, hidden) {
+  #stand({ nodeRefFromName, requestRender }, figure) {
     const node = nodeRefFromName[`/${figure}`];
+    const beside = this.#beside(figure);
     const column = nodeRefFromName[`/${figure}/caption`]?.position;
-    if (!node || !column) return;
-    const [x, y] = placeOf(this.#used, figure) ?? [column.x, column.y];
-    const to = { x: x - column.x, y: y - column.y, z: hidden || !this.shows(figure) ? AWAY : 0 };
-    const { position: at } = node;
-    if (Math.abs(at.x - to.x) + Math.abs(at.y - to.y) + Math.abs(at.z - to.z) < 1e-6) return;
-    Object.assign(at, to);
+    const place = nodeRefFromName[`/${beside}/caption`]?.position;
+    if (!node || !column || !place) return;
+    const tick = this.newest();
+    const turn = beside === figure || !tick ? 0 : headingBetween(tick.reference, tick.robot);
+    const [x, y] = placeOf(this.#used, beside) ?? [place.x, place.y];
+    const to = laid([column.x, column.y], [x, y], turn);
+    const z = this.shows(figure) ? 0 : AWAY;
+    const { position: at, quaternion } = node;
+    const moved = Math.abs(at.x - to[0]) + Math.abs(at.y - to[1]) + Math.abs(at.z - z);
+    if (moved + Math.abs(quaternion.z - Math.sin(turn / 2)) < 1e-6) return;
+    Object.assign(at, { x: to[0], y: to[1], z });
+    quaternion.set(0, 0, Math.sin(turn / 2), Math.cos(turn / 2));
     requestRender();
   }
 
@@ -122,6 +143,10 @@ export class ViewCamera {
     if (x !== at.x || y !== at.y || z !== at.z) cameraControl.moveTo(x, y, z, false);
   }
 }
+
+/** rad from one's heading to the other's. @param {Pose} from @param {Pose} to */
+const headingBetween = (from, to) =>
+  wrapped(angles(to.base_quat).yaw - angles(from.base_quat).yaw);
 
 /** The share of the view's left that is covered by what is to be done; of narrow views, none. */
 function covered() {

@@ -2,8 +2,10 @@
 // viser publishes its internals as `__viserMutable` for tests; where they are missing the view
 // still works, without captions and cameras.
 
+import { Besides } from "./besides.js";
 import { place, spread } from "./cameras.js";
 import { $, $$, setStyle, text } from "./dom.js";
+import { Looks } from "./looks.js";
 import { REST, spare } from "./sparing.js";
 import { ViewCamera } from "./view-camera.js";
 
@@ -11,7 +13,7 @@ import { ViewCamera } from "./view-camera.js";
 /** @import { Tick, Viser, ViewWindow } from "../types/page.js" */
 
 /** What is at the view's edges. */
-const EDGES = ".stage-record, .cameras, .figures, #scene-over";
+const EDGES = ".stage-record, .cameras, .looks, #scene-over";
 const DRAGS = /** @type {const} */ (["dragenter", "dragover", "dragleave", "drop"]);
 
 export class View {
@@ -27,8 +29,8 @@ export class View {
   #props = false;
   /** Whether the processor draws, and the captions need not follow any faster than that. */
   #spared = false;
-  /** Names of the figures that are not shown, remembered. */
-  #hidden = new Set((localStorage.getItem("hidden") ?? "").split(",").filter(Boolean));
+  #looks = new Looks();
+  besides = new Besides(this.#looks);
 
   /**
    * @param {{ listen: (target: Window) => void, ready: () => void,
@@ -36,7 +38,7 @@ export class View {
    *   are drawn
    */
   constructor({ listen, ready, drag, newest }) {
-    this.#camera = new ViewCamera(newest);
+    this.#camera = new ViewCamera(newest, this.#looks);
     this.#frame.addEventListener("load", () => {
       const inner = this.#window;
       listen(inner);
@@ -59,16 +61,6 @@ export class View {
       if (this.#connected) this.look(this.#camera.name, false);
     });
     for (const node of [this.#frame, $("#scene-over")]) resized.observe(node);
-    for (const button of $$("#figures button")) {
-      const name = button.dataset.figure ?? "";
-      const press = () => button.setAttribute("aria-pressed", String(!this.#hidden.has(name)));
-      button.addEventListener("click", () => {
-        if (!this.#hidden.delete(name)) this.#hidden.add(name);
-        localStorage.setItem("hidden", [...this.#hidden].join());
-        press();
-      });
-      press();
-    }
     let shown = false;
     const each = () => {
       const viser = this.viser;
@@ -132,11 +124,6 @@ export class View {
     this.#camera.look(viser, aspect, this.#props, glide);
   }
 
-  /** @param {string} figure */
-  #hides(figure) {
-    return this.#hidden.has(figure) || !this.#camera.shows(figure);
-  }
-
   /**
    * Runs every frame: reads no layout it has just changed, and writes only what moved. Whether
    * all three figures are there.
@@ -146,7 +133,10 @@ export class View {
   #place(viser) {
     const { camera, nodeRefFromName } = viser;
     if (!camera || !nodeRefFromName) return false;
-    if (this.#connected) this.#camera.follow(viser, this.#hidden);
+    if (this.#connected) {
+      this.#camera.follow(viser);
+      this.besides.draw(viser);
+    }
     const view = this.#size(this.#frame);
     let found = 0;
     const shown = this.#captions.flatMap((node) => {
@@ -155,7 +145,7 @@ export class View {
       found += 1;
       const point = anchor.getWorldPosition(anchor.position.clone()).project(camera);
       const size = this.#size(node);
-      const at = this.#hides(node.dataset.figure ?? "") ? null : place(point, view, size);
+      const at = this.#camera.shows(node.dataset.figure ?? "") ? place(point, view, size) : null;
       if (!at) this.#put(node, "");
       return at ? [{ node, size, ...at }] : [];
     });

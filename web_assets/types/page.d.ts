@@ -80,7 +80,7 @@ export interface Viser {
     minDistance: number;
   };
   nodeRefFromName: Record<string, Node3D | undefined>;
-  scene: { traverse(visit: (thing: { isLight?: boolean; castShadow?: boolean }) => void): void };
+  scene: { traverse(visit: (thing: Thing3D) => void): void };
   requestRender(): void;
 }
 
@@ -97,9 +97,55 @@ export interface Vector {
 export interface Node3D {
   visible: boolean;
   position: Vector;
+  quaternion: { z: number; set(x: number, y: number, z: number, w: number): void };
+  children: Thing3D[];
+  add(child: Mesh3D): void;
   getWorldPosition(into: Vector): Vector;
   localToWorld(point: Vector): Vector;
   worldToLocal(point: Vector): Vector;
+}
+
+/** Anything that three.js draws: a mesh, a light, a group of them. */
+export interface Thing3D extends Node3D {
+  isLight?: boolean;
+  isMesh?: boolean;
+  castShadow: boolean;
+  material: Material;
+  geometry: Geometry;
+}
+
+/** With the class that it is of, of which more can be made. */
+export interface Mesh3D extends Thing3D {
+  parent: unknown;
+  frustumCulled: boolean;
+  removeFromParent(): void;
+  constructor: new (geometry: Geometry, material: Material) => Mesh3D;
+}
+
+export interface Material {
+  type: string;
+  opacity: number;
+  transparent: boolean;
+  depthWrite: boolean;
+  toneMapped: boolean;
+  needsUpdate: boolean;
+  color: { set(css: string): void };
+  userData: { own?: Pick<Material, "opacity" | "transparent" | "depthWrite"> | null };
+  constructor: new (options: object) => Material;
+}
+
+export interface Geometry {
+  type: string;
+  attributes: Record<"position", Attribute>;
+  setAttribute(name: string, attribute: Attribute): void;
+  setIndex(corners: number[]): void;
+  constructor: new () => Geometry;
+}
+
+export interface Attribute {
+  array: Float32Array;
+  needsUpdate: boolean;
+  constructor: new (array: Float32Array, size: number) => Attribute;
 }
 
 export interface ViewWindow extends Window {

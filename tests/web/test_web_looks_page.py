@@ -1,0 +1,76 @@
+"""Figures shown, as ghosts, hidden, or laid over one another; trails of feet; all remembered."""
+
+import axe
+import pytest
+from browsing import click, drawn, until
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
+
+INSIDE = "document.querySelector('#view').contentWindow.__viserMutable"
+NODE = f"((name) => {INSIDE}.nodeRefFromName[name])"
+SEEN = f"""(() => {{
+  const out = [];
+  {NODE}('/robot/trunk').traverse(({{ material }}) => material && out.push(material.opacity));
+  return out[0];
+}})()"""
+"""How opaque the simulated robot's trunk is."""
+PRESSED = "document.querySelector('#figures [data-figure=robot]').getAttribute('aria-pressed')"
+NAMED = "document.querySelector('.caption[data-figure=robot]').style.visibility"
+GONE = f"({NODE}('/robot').position.z < -100 && {NAMED} === 'hidden')"
+TRAIL = f"""((name) => {{
+  const mesh = {NODE}(`/${{name}}/world`).children.find((thing) => thing.isMesh);
+  const at = mesh?.geometry.attributes.position.array;
+  if (!at) return 0;
+  return Math.hypot(at[1062] - at[0], at[1063] - at[1]);
+}})"""
+"""m between both ends of a robot's first foot's trail; 0 where there is none."""
+
+
+def test_a_robot_is_a_ghost_then_hidden_then_shown_and_it_is_remembered(page):
+    robot = '#figures [data-figure="robot"]'
+    assert page.evaluate(f"() => {PRESSED} + {SEEN}") == "true1"
+    click(page, robot)
+    until(page, f"() => {PRESSED} === 'mixed' && {SEEN} < 0.5")
+    page.reload()
+    axe.put_into(drawn(page))
+    until(page, f"() => {PRESSED} === 'mixed' && {SEEN} < 0.5")
+    axe.find_nothing(page)
+    click(page, robot)
+    until(page, f"() => {PRESSED} === 'false' && {GONE}")
+    page.reload()
+    axe.put_into(drawn(page))
+    until(page, f"() => {GONE}")
+    click(page, robot)
+    until(page, f"() => !{GONE} && {NAMED} === 'visible' && {SEEN} === 1")
+
+
+def test_the_reference_is_laid_over_the_robot_by_every_camera(page):
+    at = f"""((name) => {{
+      const [figure, column] = [{NODE}('/' + name), {NODE}(`/${{name}}/caption`).position];
+      const {{ x, y, z }} = column.clone().applyQuaternion(figure.quaternion).add(figure.position);
+      return [x, y, z - column.z];
+    }})"""
+    apart = f"Math.hypot(...[0, 1, 2].map((i) => {at}('reference')[i] - {at}('robot')[i]))"
+    assert page.evaluate(f"() => {apart}") > 0.5
+    click(page, "#besides [data-besides=overlay]")
+    for key in "152":
+        page.keyboard.press(key)
+        until(page, f"() => {apart} < 1e-3 && {at}('robot')[2] === 0")
+    click(page, "#besides [data-besides=overlay]")
+    until(page, f"() => {apart} > 0.5")
+    page.keyboard.press("1")
+
+
+def test_trails_follow_walking_feet_and_are_gone_with_their_source_and_when_switched_off(
+    page, served
+):
+    served.client.post("/api/source", json={"source": "operator:walk"})
+    click(page, "#besides [data-besides=trails]")
+    until(page, f"() => {TRAIL}('robot') > 0.5 && {TRAIL}('reference') > 0.5")
+    page.reload()
+    axe.put_into(drawn(page))
+    until(page, f"() => {TRAIL}('robot') > 0.3")
+    served.client.post("/api/source", json={"source": "operator:quiet"})
+    until(page, f"() => a1studio.state.source === 'operator:quiet' && {TRAIL}('robot') < 0.3")
+    click(page, "#besides [data-besides=trails]")
+    until(page, f"() => !{NODE}('/robot/world').children.some((thing) => thing.isMesh)")

@@ -1,0 +1,42 @@
+// What is drawn besides the figures, each loaded when it is first wanted.
+
+import { attempt } from "./dom.js";
+
+/** @import { Looks } from "./looks.js" */
+/** @import { Trails } from "./trails.js" */
+/** @import { State, Tick, Viser } from "../types/page.js" */
+
+export class Besides {
+  /** @type {Trails | null} */
+  #trails = null;
+  /** @type {Set<string>} */
+  #asked = new Set();
+
+  /** @param {Looks} looks */
+  constructor(looks) {
+    this.looks = looks;
+  }
+
+  /** Once. @param {string} what @param {() => Promise<void>} load */
+  #load(what, load) {
+    if (this.#asked.has(what)) return;
+    this.#asked.add(what);
+    attempt(load);
+  }
+
+  /** Thirty times a second. @param {Tick} tick @param {State | null} state */
+  add(tick, state) {
+    if (this.looks.on("trails")) this.#trails?.add(tick, state);
+  }
+
+  /** Every frame. @param {Viser} viser */
+  draw(viser) {
+    if (this.looks.on("trails")) {
+      this.#load("trails", async () => {
+        const { Trails } = await import("./trails.js");
+        this.#trails = new Trails();
+      });
+      this.#trails?.draw(viser);
+    } else this.#trails?.remove(viser);
+  }
+}
