@@ -22,16 +22,18 @@ log = logging.getLogger(__name__)
 
 
 def run_bench(config: BenchConfig) -> dict[str, Any]:
-    """{machine, sections_ms, drive, live, loop_beside_browser, page, stop, training, mapper,
-    takes}; with `compare`, each figure beside the earlier one, too.
+    """{machine, sections_ms, drive, live, frames, loop_beside_browser, page, stop, training,
+    mapper, takes}; with `compare`, each figure beside the earlier one, too.
     """
     earlier = _read(config.compare) if config.compare is not None else None
     result: dict[str, Any] = {"machine": machine()}
     result["sections_ms"], result["drive"] = control_period(config.seconds)
     if config.page:
         from studio.bench import live as bench_live
+        from studio.bench.frames import frame_latency
 
         result["live"] = bench_live.live(config.seconds)
+        result["frames"] = frame_latency(config.seconds)
         if config.browser:
             from studio.bench.page import page
 

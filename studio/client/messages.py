@@ -84,6 +84,7 @@ class State(TypedDict):
     reason: str
     source: str
     source_report: dict[str, Any]
+    arrivals: dict[str, Any] | None
     scene: str
     progress: dict[str, Any]
     props: dict[str, list[float]]

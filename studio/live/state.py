@@ -17,6 +17,7 @@ from studio.control.drive_command import Reason
 from studio.live.command import OneOf
 from studio.live.commands import transport
 from studio.live.state_parts import (
+    Arrivals,
     Calibration,
     Collect,
     Controller,
@@ -71,6 +72,11 @@ class Seen:
         """What was found in the source, and what was refused since."""
         refused = self.runtime.puppeteer.person.refused
         return self.runtime.source.report.and_refused(refused).as_dict()
+
+    def arrivals(self) -> Arrivals | None:
+        """How live frames come of late."""
+        found = self.runtime.source.arrivals
+        return None if found is None else Arrivals(**asdict(found))
 
     def calibration(self) -> Calibration:
         """Of the person."""
@@ -152,6 +158,7 @@ KEYS: dict[str, Key] = {
     "stale_s": Key(float | None, Seen.stale_s),
     "source": Key(str, lambda seen: seen.runtime.source.name),
     "source_report": Key(SourceReport, Seen.source_report),
+    "arrivals": Key(Arrivals | None, Seen.arrivals),
     "scene": Key(str, lambda seen: seen.runtime.puppeteer.stage.name),
     "progress": Key(Progress, lambda seen: seen.runtime.puppeteer.stage.progress()),
     "person": Key(str, lambda seen: seen.runtime.runs.person),

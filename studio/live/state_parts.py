@@ -23,6 +23,15 @@ class Calibration(TypedDict):
     seconds: float
 
 
+class Arrivals(TypedDict):
+    """How live frames come of late: see `studio.mocap.arrivals`."""
+
+    rate_hz: float
+    jitter_ms: float
+    late_ms: dict[str, float]
+    wait_ms: dict[str, float]
+
+
 class Recording(TypedDict):
     """The take being written."""
 

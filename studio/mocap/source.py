@@ -9,6 +9,7 @@ from typing import Protocol, runtime_checkable
 
 from studio.errors import StudioError
 from studio.human.pose import HumanClip, HumanPose
+from studio.mocap.arrivals import Arrivals
 from studio.mocap.source_report import OWN, SourceReport
 from studio.reference.intent import Intent
 from studio.timing import CONTROL_HZ
@@ -76,6 +77,11 @@ class Source(Protocol):
         ...
 
     # What only some sources can do; as it stands here, of one that cannot.
+
+    @property
+    def arrivals(self) -> Arrivals | None:
+        """How its frames come of late, where somebody sends them as they happen."""
+        return None
 
     def push(self, raw: object) -> None:
         """Take in a frame sent from outside (docs/contract.md): JSON text or bytes, or decoded.

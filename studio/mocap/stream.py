@@ -12,6 +12,7 @@ import numpy as np
 from studio.human.pose import HumanPose
 from studio.human.sensor_skeletons import SKELETONS
 from studio.human.skeleton import NUM_JOINTS
+from studio.mocap.arrivals import ArrivalLog, Arrivals
 from studio.mocap.gate import FrameGate
 from studio.mocap.raw_frame import FrameRejected
 from studio.mocap.source import Source
@@ -39,6 +40,7 @@ class StreamSource(Source):
         self._latest: HumanPose | None = None
         self._fresh = False
         self._refused = Refused()
+        self._log = ArrivalLog()
 
     def push(self, raw: object) -> None:
         """Take in one frame: JSON text or bytes, or the decoded object. Raises FrameRejected."""
@@ -55,13 +57,16 @@ class StreamSource(Source):
     def _admit(self, check: Callable[[Any], HumanPose], given: object) -> None:
         with self._lock:
             pose = check(given)
-            self._latest = replace(pose, t=self._clock() - self._opened)
+            now = self._clock()
+            self._log.came(now, pose.t)
+            self._latest = replace(pose, t=now - self._opened)
             self._fresh = True
 
     def new_sender(self) -> None:
         """Another client starts to send: its skeleton and clock are its own."""
         with self._lock:
             self._gate.reset()
+            self._log.anew()
 
     def read(self, t: float) -> HumanPose | None:
         """The newest pose if it was not given before, else None; `t` plays no part."""
@@ -69,7 +74,14 @@ class StreamSource(Source):
             if not self._fresh:
                 return None
             self._fresh = False
+            self._log.read(self._clock())
             return self._latest
+
+    @property
+    def arrivals(self) -> Arrivals | None:
+        """Of the last seconds' frames."""
+        with self._lock:
+            return self._log.summary(self._clock())
 
     @property
     def age(self) -> float:

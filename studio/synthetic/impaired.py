@@ -10,6 +10,7 @@ from studio import geometry
 from studio.human.pose import HumanPose
 from studio.human.posture import body_heading
 from studio.human.skeleton import INDEX
+from studio.mocap.arrivals import Arrivals
 from studio.mocap.source import Source
 from studio.mocap.source_report import SourceReport
 from studio.reference import gait
@@ -79,6 +80,11 @@ class Impaired(Source):
     def report(self) -> SourceReport:
         """As the source's own: what it found, and what it refused."""
         return self._source.report
+
+    @property
+    def arrivals(self) -> Arrivals | None:
+        """As the source's."""
+        return self._source.arrivals
 
     def calibration_poses(self) -> list[HumanPose]:
         """As the source's, seen through the sensor: somebody calibrates in peace."""

@@ -10,6 +10,7 @@ from studio.bench import browser as bench_browser
 from studio.bench import live as bench_live
 from studio.bench import page as bench_page
 from studio.bench import training
+from studio.bench.frames import frame_latency
 from studio.bench.run import compare, percentiles, run_bench
 from studio.bench.stop import MORE, stop_latency
 from studio.bench.takes import long_take, performed, takes_cost
@@ -111,6 +112,15 @@ def test_four_pages_get_thirty_updates_a_second_on_both_sockets():
     for rate in (*done["updates_per_second"], *done["view_updates_per_second"]):
         assert 24.0 < rate < 36.0
     assert 0.0 < done["cpu_share_alone"] < done["cpu_share"] + 0.1
+
+
+@pytest.mark.slow
+def test_frames_come_back_in_ticks_and_their_way_is_measured():
+    done = frame_latency(3.0)
+    took = done["sent_to_tick_ms"]
+    assert 0.0 < took["p50"] <= took["p95"] <= took["p99"]
+    assert 0.5 < done["seen_share"] <= 1.0
+    assert done["arrivals"]["rate_hz"] > 5.0
 
 
 @pytest.mark.slow

@@ -26,6 +26,7 @@ TOKEN = "test-token-0123456789"
 STATE_KEYS = {
     "mode", "state", "state_lock", "expert", "votes", "stopped", "armed", "why", "source", "scene",
     "latency_ms", "counters", "robot", "needs_reset", "stale_s", "reason", "source_report",
+    "arrivals",
 }  # fmt: skip
 
 

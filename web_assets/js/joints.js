@@ -95,14 +95,14 @@ export class Joints {
   }
 
   /** The report under the drop zone. @param {State} state */
-  draw({ source, source_report }) {
+  draw({ source, source_report, arrivals }) {
+    const { joints_missing, notes, refused } = source_report;
+    const file = /^(bvh|frames):/.test(source);
+    $("#load").hidden = !file && refused.frames === 0 && !arrivals;
+    text($("#load summary"), reportLine(source_report, arrivals));
     const shown = JSON.stringify([source, source_report]);
     if (shown === this.#shown) return;
     this.#shown = shown;
-    const { joints_missing, notes, refused } = source_report;
-    const file = /^(bvh|frames):/.test(source);
-    $("#load").hidden = !file && refused.frames === 0;
-    text($("#load summary"), reportLine(source_report));
     const lines = [
       joints_missing.length ? `Missing: ${joints_missing.map(jointName).join(", ")}.` : "",
       ...notes.map((note) => `${capital(note)}.`),

@@ -77,6 +77,14 @@ export class Driving {
     return doing(this.state);
   }
 
+  /** What the studio adds to a picture's age while it is driven, or "". */
+  get onward() {
+    const { arrivals, latency_ms } = this.state ?? {};
+    if (this.stage === "off" || !arrivals) return "";
+    const ms = (arrivals.wait_ms.p50 ?? 0) + (latency_ms?.inference ?? 0);
+    return `, ${ms.toFixed(0)} ms more to the robot’s reference`;
+  }
+
   async #arm() {
     try {
       await this.api.post("/api/calibrate");

@@ -113,7 +113,7 @@ class CameraPage {
     const rate = this.#times.length / (RATE_OVER / 1000);
     text($("#fps"), camera.on ? `${rate.toFixed(0)} fps` : "");
     text($("#sure"), seen?.world ? `${Math.round(100 * confidence(seen.landmarks))} % sure` : "");
-    text($("#age"), seen ? `${this.age.toFixed(0)} ms old` : "");
+    text($("#age"), seen ? `${this.age.toFixed(0)} ms old${driving.onward}` : "");
     this.#paint(this.#video, {
       landmarks: camera.on ? (seen?.landmarks ?? null) : null,
       stand: camera.on && Boolean(hint),

@@ -35,15 +35,25 @@ export const sourceName = (spec) =>
     .replace(/^(operator|take):/, "$1 · ");
 
 /**
- * What was read of a source, in a line.
+ * What was read of a source, in a line, and how its frames come where they do so live.
  *
  * @param {State["source_report"]} report
+ * @param {State["arrivals"]} [arrivals]
  */
-export function reportLine({ joints_found, joints_missing, scale_m, up_axis, refused }) {
+export function reportLine(
+  { joints_found, joints_missing, scale_m, up_axis, refused },
+  arrivals = null,
+) {
   const found = Object.keys(joints_found).length;
   const parts = [`${found} of ${found + joints_missing.length} joints`];
   if (scale_m) parts.push(`1 unit = ${Number(scale_m.toPrecision(3))} m`);
   if (up_axis) parts.push(`up ${up_axis}`);
+  if (arrivals) {
+    const ms = (/** @type {number | undefined} */ v) => `${(v ?? 0).toFixed(0)} ms`;
+    parts.push(`${arrivals.rate_hz.toFixed(0)} frames a second`);
+    parts.push(`jitter ${ms(arrivals.jitter_ms)}`, `up to ${ms(arrivals.late_ms.p95)} late`);
+    parts.push(`read after ${ms(arrivals.wait_ms.p50)}`);
+  }
   if (refused.frames) parts.push(`${counted(refused.frames, "frame")} refused`);
   return parts.join(" · ");
 }

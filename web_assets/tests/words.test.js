@@ -62,6 +62,12 @@ test("what was read of a source is told in a line", () => {
   assert.equal(reportLine(report), "2 of 3 joints · 1 unit = 0.0564 m · up y · 1 frame refused");
   const own = { ...report, scale_m: null, up_axis: null, refused: { frames: 0, why: [] } };
   assert.equal(reportLine(own), "2 of 3 joints");
+  const ways = { late_ms: { p50: 2, p95: 21.4, p99: 30 }, wait_ms: { p50: 16.6 } };
+  const live = { rate_hz: 29.8, jitter_ms: 3.2, ...ways };
+  assert.equal(
+    reportLine(own, live),
+    "2 of 3 joints · 30 frames a second · jitter 3 ms · up to 21 ms late · read after 17 ms",
+  );
 });
 
 test("a stop is by this page, by another, or by one that is closed", () => {

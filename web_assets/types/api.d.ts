@@ -1422,6 +1422,24 @@ export interface components {
             certainty: number;
         };
         /**
+         * Arrivals
+         * @description How live frames come of late: see `studio.mocap.arrivals`.
+         */
+        Arrivals: {
+            /** Rate Hz */
+            rate_hz: number;
+            /** Jitter Ms */
+            jitter_ms: number;
+            /** Late Ms */
+            late_ms: {
+                [key: string]: number;
+            };
+            /** Wait Ms */
+            wait_ms: {
+                [key: string]: number;
+            };
+        };
+        /**
          * Axis
          * @description edges (n + 1,) in `unit`; counts (n,) frames.
          */
@@ -1947,6 +1965,7 @@ export interface components {
             /** Source */
             source: string;
             source_report: components["schemas"]["SourceReport"];
+            arrivals: components["schemas"]["Arrivals"] | null;
             /** Scene */
             scene: string;
             progress: components["schemas"]["Progress"];
@@ -2723,6 +2742,7 @@ export interface components {
             /** Source */
             source: string;
             source_report: components["schemas"]["SourceReport"];
+            arrivals: components["schemas"]["Arrivals"] | null;
             /** Scene */
             scene: string;
             progress: components["schemas"]["Progress"];
@@ -3201,6 +3221,7 @@ export interface components {
             /** Source */
             source: string;
             source_report: components["schemas"]["SourceReport"];
+            arrivals: components["schemas"]["Arrivals"] | null;
             /** Scene */
             scene: string;
             progress: components["schemas"]["Progress"];
