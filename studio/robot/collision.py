@@ -81,6 +81,13 @@ def link_capsules(joint_pos: ArrayLike) -> tuple[Array, Array, Array]:
     return start, end, _RADIUS
 
 
+def lowest_point(base_pos: ArrayLike, base_quat: ArrayLike, joint_pos: ArrayLike) -> float:
+    """Height m, world, of the robot's lowest point; base (3,), (4,), joints (12,)."""
+    start, end, radius = link_capsules(joint_pos)
+    ends = legs.to_world(base_pos, base_quat, np.concatenate([start, end]))
+    return float(np.min(ends[:, 2] - np.tile(radius, 2)))
+
+
 def pair_distances(joint_pos: ArrayLike) -> Array:
     """Gap (..., len(PAIRS)) m of every pair of capsules; negative is penetration."""
     start, end, _ = link_capsules(joint_pos)

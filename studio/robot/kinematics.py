@@ -1,6 +1,6 @@
 """The geometry of the A1 in one place: legs, clearances between links, support of the feet."""
 
-from studio.robot.collision import link_capsules, self_collision_distance
+from studio.robot.collision import link_capsules, lowest_point, self_collision_distance
 from studio.robot.legs import (
     center_of_mass_b,
     foot_pos_b,
@@ -26,6 +26,7 @@ __all__ = [
     "link_capsules",
     "link_frames_b",
     "link_frames_w",
+    "lowest_point",
     "self_collision_distance",
     "support_distance",
     "to_world",

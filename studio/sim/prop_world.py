@@ -67,10 +67,10 @@ class PropWorld(World):
         self.touched = frozenset()
         return super().reset(pose)
 
-    def step(self, target: ArrayLike) -> RobotState:
+    def step(self, target: ArrayLike, steps: int | None = None) -> RobotState:
         """As World's."""
         self._pairs.clear()
-        state = super().step(target)
+        state = super().step(target, steps)
         named = [(self._geom_name[a], self._geom_name[b]) for a, b in self._pairs]
         self.touched = frozenset(
             pair for a, b in named for pair in ((a, b), (b, a)) if pair[0] in self.props

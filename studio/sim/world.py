@@ -121,7 +121,7 @@ class World:
         quat = geometry.normalize(pose.base_quat)
         joint_pos = np.clip(pose.joint_pos, a1.JOINT_LOWER, a1.JOINT_UPPER)
         base_pos = np.array([pose.base_pos[0], pose.base_pos[1], 0.0])
-        base_pos[2] = -lowest_point(base_pos, quat, joint_pos)
+        base_pos[2] = -kinematics.lowest_point(base_pos, quat, joint_pos)
         if self._ground is not geometry.IDENTITY_QUAT:
             base_pos = geometry.quat_rotate(self._ground, base_pos)
             quat = geometry.quat_mul(self._ground, quat)
@@ -131,8 +131,8 @@ class World:
         self.state = self._read(np.zeros(12))
         return self.state
 
-    def step(self, target: ArrayLike) -> RobotState:
-        """One control period (1/30 s) towards joint targets (12,) rad; the state at its end.
+    def step(self, target: ArrayLike, steps: int | None = None) -> RobotState:
+        """One control period (1/30 s), or `steps` physics steps, towards joint targets (12,) rad.
 
         The PD law, the torque limit and the fall of torque near the speed limit hold at every
         physics step. Targets beyond the joint limits are clipped. Raises StudioError, and changes
@@ -145,7 +145,7 @@ class World:
         data, late, self._target = self.data, self._target, target
         speed, torque = data.qvel[6:18], data.actuator_force
         peak, peak_size = np.zeros(12), np.zeros(12)
-        for k in range(self.substeps):
+        for k in range(steps or self.substeps):
             target = self._target if self._delay == 0.0 else self._after_delay(late, k)
             data.ctrl[:12] = target
             if max(speed.max(), -speed.min()) > self._full_below:
@@ -207,7 +207,14 @@ class World:
     def set_damping(self, on: bool) -> None:
         """Damping mode: no stiffness, only damping, whatever the targets; off restores the PD."""
         self.damping = on
-        kp, kd = (0.0, self.config.damping_kd) if on else (self._kp, self._kd)
+        self._use_gains(*((0.0, self.config.damping_kd) if on else (self._kp, self._kd)))
+
+    def set_gains(self, kp: float, kd: float) -> None:
+        """The PD's: N m/rad, N m s/rad. No stiffness is the damping mode."""
+        self.damping, self._kp, self._kd = kp == 0.0, kp, kd
+        self._use_gains(kp, kd)
+
+    def _use_gains(self, kp: float, kd: float) -> None:
         self.model.actuator_gainprm[:12, 0] = kp
         self.model.actuator_biasprm[:12, 1] = -kp
         self.model.actuator_biasprm[:12, 2] = -kd
@@ -240,10 +247,3 @@ class World:
             trunk_contact=trunk,
             self_collision=itself,
         )
-
-
-def lowest_point(base_pos: ArrayLike, base_quat: ArrayLike, joint_pos: ArrayLike) -> float:
-    """Height m, world, of the robot's lowest point; base (3,), (4,), joints (12,)."""
-    start, end, radius = kinematics.link_capsules(joint_pos)
-    ends = kinematics.to_world(base_pos, base_quat, np.concatenate([start, end]))
-    return float(np.min(ends[:, 2] - np.tile(radius, 2)))

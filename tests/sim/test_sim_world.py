@@ -16,7 +16,7 @@ from studio.sim import randomize
 from studio.sim.actuation import LowPass, limit_target
 from studio.sim.batch import BatchConfig, BatchWorld
 from studio.sim.spec import ModelConfig
-from studio.sim.world import World, WorldConfig, lowest_point
+from studio.sim.world import World, WorldConfig
 
 SECOND = 30
 
@@ -112,7 +112,7 @@ def test_reset_places_the_lowest_point_of_any_pose_on_the_floor(world: World):
             foot_contact=np.ones(4),
         )
         state = world.reset(pose)
-        low = lowest_point(state.base_pos, state.base_quat, state.joint_pos)
+        low = kinematics.lowest_point(state.base_pos, state.base_quat, state.joint_pos)
         assert low == pytest.approx(0.0, abs=1e-9)
         np.testing.assert_allclose(state.base_pos[:2], pose.base_pos[:2])
         assert geometry.quat_angle(state.base_quat, pose.base_quat) < 1e-9
