@@ -25,7 +25,7 @@ from studio.takes.tick import Tick
 
 log = logging.getLogger(__name__)
 
-_ENDED = "the source has ended: choose mode live, then it again or the synthetic person"
+_ENDED = "the source has ended: play it again, or choose mode live and then who else acts"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -199,6 +199,8 @@ class Runtime:
             return None, None
         if self.reader.ended:
             self.collector.nobody_acts(_ENDED)
+        elif self.collector.why == _ENDED:
+            self.collector.why = ""
         machine = self.puppeteer.state_machine
         shown, step = self.collector.step(machine.reference, machine.facing, not machine.following)
         if step.event == "start":

@@ -123,7 +123,16 @@ ROWS: tuple[Row, ...] = (
         within=PAGE_LOST_AFTER + _PERIOD,
         reason="page_lost",
         latched=False,
-        then=_ITSELF + "the page is heard again; or whoever arms takes its place",
+        then=_ITSELF + "the page is heard again, or another takes control; or whoever arms takes its place",
+    ),
+    Row(
+        key="away",
+        what="The page in control is out of sight: behind another tab, or minimised",
+        does="is driven on; the page lets go of the keys that were held",
+        within=0.0,
+        reason="",
+        latched=False,
+        then="nothing to be done; another page may take control",
     ),
     Row(
         key="overrun",

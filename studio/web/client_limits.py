@@ -163,6 +163,13 @@ class LimitedHttp(H11Protocol):
         self._no_door()
         super().connection_lost(exc)
 
+    def shutdown(self) -> None:
+        """As uvicorn's; who is in the midst of a request's body is not waited for."""
+        if self._telling:
+            self.transport.abort()  # at once: under TLS a close waits for the other side's
+        else:
+            super().shutdown()
+
     def data_received(self, data: bytes) -> None:
         """As uvicorn's, noted."""
         self._heard = self.loop.time()
@@ -199,13 +206,16 @@ class LimitedHttp(H11Protocol):
         """No request has been told whole since the last one was answered."""
         return self.cycle is None or self.cycle.response_complete
 
+    @property
+    def _telling(self) -> bool:
+        return not self.asks_nothing and self.conn.their_state is h11.SEND_BODY
+
     def _check(self) -> None:
         now = self.loop.time()
         if self.asks_nothing:
             late = now - self._since > HEAD_S
         else:
-            telling = self.conn.their_state is h11.SEND_BODY and not self.flow.read_paused
-            late = telling and now - self._heard > BODY_S
+            late = self._telling and not self.flow.read_paused and now - self._heard > BODY_S
         if late:
             self._drop()
         else:

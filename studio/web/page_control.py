@@ -15,7 +15,7 @@ from studio.live.commands import Command, ReleaseControl, TakeControl
 
 @dataclass
 class Page:
-    """One open page: whether it is in view, which keys it holds down."""
+    """One open page: whether it is in sight, which keys it holds down."""
 
     name: str
     visible: bool = True
@@ -54,7 +54,7 @@ class PageControl:
         self.pages.pop(name, None)
 
     def beat(self, name: str, *, visible: bool, keys: frozenset[str], round_trip_ms: float) -> None:
-        """A heartbeat (20 Hz) of a page."""
+        """A heartbeat (20 Hz) of a page; one out of sight goes on beating, and keeps control."""
         page = self.pages[name]
         page.visible, page.keys, page.round_trip_ms = visible, keys, round_trip_ms
         if name == self.holder:
@@ -95,7 +95,13 @@ class PageControl:
 
     def state(self) -> dict[str, Any]:
         """For the pages: who holds control and how many look."""
-        return {"holder": self.holder, "pages": list(self.pages), "free": self.free}
+        held_by = self.pages.get(self.holder or "")
+        return {
+            "holder": self.holder,
+            "pages": list(self.pages),
+            "free": self.free,
+            "away": held_by is not None and not held_by.visible,
+        }
 
     def _take(self, name: str) -> None:
         self.holder = name

@@ -217,6 +217,7 @@ def test_what_cannot_be_done_in_collect_is_refused_with_words(loop):
     assert "unknown task" in bad.why
     assert "no mapper to go back to" in ask(loop, c.MapperBack()).why
     assert "unknown mapper" in ask(loop, c.SetMapper(name="nobody")).why
+    assert "choose mode live" in ask(loop, c.StartTake()).why  # which nothing here would end
 
 
 @pytest.fixture
@@ -251,6 +252,9 @@ def test_a_take_whose_person_ends_on_the_way_is_thrown_away_with_words(short):
     assert phase(short) == "ready"
     assert state["recording"] is None
     assert "the source has ended" in state["collect"]["why"]
+    assert ask(short, c.Transport(action="again")).ok
+    run(short, 0.5)
+    assert short.state_dict()["collect"]["why"] == ""  # somebody acts again
 
 
 def test_another_source_while_collecting_is_refused_and_collecting_goes_on(loop):

@@ -179,6 +179,7 @@ def test_a_command_is_answered_after_the_tick_that_applied_it_or_with_why(make):
     [
         (c.SetStateLock, {"state": "fly"}, "unknown state"),
         (c.SetMode, {"mode": "party"}, "unknown mode"),
+        (c.SetMode, {"mode": "live", "leaving": "party"}, "unknown mode"),
         (c.SetGain, {"name": "tilt_gain", "value": 99.0}, "between"),
         (c.SetGain, {"name": "charm", "value": 1.0}, "unknown gain"),
         (c.SetController, {"controller": "magic"}, "unknown controller"),
@@ -383,12 +384,19 @@ def test_what_was_recorded_can_be_replayed_paused_and_left(make):
     apart = np.abs(recorded - shown[8].robot.joint_pos).max(axis=1)
     assert apart.min() < 1e-5  # the tape keeps float32
     ask(loop, c.Seek(playing=False))
+    assert "nothing new to record" in ask(loop, c.StartTake()).why
     paused = run(loop, 0.3)
     assert len({tick.index for tick in paused}) == 1
     assert paused[-1].why.startswith("replay")
     assert loop.state_dict()["reason"] == "paused"
-    assert ask(loop, c.SetMode(mode="live")).state["mode"] == "live"
+    assert ask(loop, c.SetMode(mode="live", leaving="replay")).state["mode"] == "live"
     loop.runtime.close()
+
+
+def test_a_mode_that_was_chosen_meanwhile_is_not_left(make):
+    loop = make()
+    assert ask(loop, c.SetMode(mode="idle")).state["mode"] == "idle"
+    assert ask(loop, c.SetMode(mode="live", leaving="replay")).state["mode"] == "idle"
 
 
 def full(*_):

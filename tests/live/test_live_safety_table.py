@@ -23,6 +23,7 @@ from studio.robot import a1
 from studio.synthetic.operator import OperatorSource
 from studio.takes.record import recorder as recorder_module
 from studio.takes.session_library import SessionLibrary
+from studio.web.page_control import PageControl
 
 MAX_TARGET_STEP = 0.7
 """rad in a period."""
@@ -271,6 +272,22 @@ def test_row_page(studio):
     within(studio, "page", lambda: studio.go(DT))  # it hangs again, and somebody else arms
     studio.do(c.Arm())
     studio.goes_on()
+
+
+def test_row_away(studio):
+    control = PageControl(studio.loop.post, studio.loop.beat, studio.loop.silent)
+    laptop = control.join()
+    for _ in range(20):
+        control.beat(laptop.name, visible=False, keys=frozenset(), round_trip_ms=1.0)
+        studio.go(0.1)
+    assert studio.state["reason"] == ""
+    assert control.state()["away"]
+    other = control.join()
+    assert control.holder == laptop.name
+    control.act("take", other.name)
+    studio.go(DT)
+    assert not control.state()["away"]
+    assert studio.state["reason"] == ""
 
 
 def test_row_overrun(studio):

@@ -1,8 +1,9 @@
 // The coach over the view: what to act out, the count-down, each step's tick, and what then.
 
-import { $, $$, $input, attempt, el, setStyle, text } from "./dom.js";
+import { $, $button, $input, attempt, el, setStyle, text } from "./dom.js";
+import { coached, passed } from "./coached.js";
 import { Metronome } from "./metronome.js";
-import { capital, spoken } from "./words.js";
+import { capital } from "./words.js";
 
 /** @import { Action, Collect } from "../types/page.js" */
 /** @import { Studio } from "./studio.js" */
@@ -29,47 +30,6 @@ const BUTTONS = [
   { action: "next", key: "N", title: "Next", phases: ["ready", "review"] },
   { action: "abort", key: "M", title: "Abort", phases: ["preview", "countdown", "record"] },
 ];
-
-/**
- * What the coach says: the task, which take it is, and what to do.
- *
- * @param {Pick<Collect, "phase" | "done" | "total" | "kept"> &
- *   Pick<Collect, "task" | "state" | "prompt">} collect
- */
-export function coached({ phase, task, state, prompt, done, total, kept }) {
-  if (phase === "done")
-    return {
-      task: `${kept.length} takes kept`,
-      of: "",
-      prompt: "Review them below, or train a mapper of your own.",
-    };
-  const quiet = `${state === "sit" ? "Sit" : "Stand"} quietly until it moves.`;
-  const waits = phase === "countdown" || phase === "ready";
-  return {
-    task: task ? capital(spoken(task)) : "",
-    of: task ? `take ${Math.min(done + 1, total)} of ${total}` : "",
-    prompt:
-      phase === "setup"
-        ? "Choose tasks on the right, then Begin."
-        : waits
-          ? `${prompt}. ${quiet}`
-          : (prompt ?? ""),
-  };
-}
-
-/**
- * How much of a phase has passed, from 0 to 1; null for one that waits for somebody.
- *
- * @param {Pick<Collect, "phase" | "t" | "remaining">} collect
- */
-export function passed({ phase, t, remaining }) {
-  const timed =
-    ["preview", "record", "countdown"].includes(phase) ||
-    (phase === "review" && remaining !== null);
-  if (!timed) return null;
-  const whole = t + (remaining ?? 0);
-  return whole ? t / whole : 0;
-}
 
 export class Coach {
   #metronome = new Metronome((foot) =>
@@ -132,6 +92,16 @@ export class Coach {
         { class: "coach-actions", id: "coach-actions", hidden: true },
         ...BUTTONS.map(button),
         el("button", { id: "coach-review", onclick: look }, "Look at it"),
+        el(
+          "button",
+          {
+            id: "coach-stand-in",
+            class: "main",
+            title: "Who acted has nothing more to show",
+            onclick: () => attempt(() => this.#standIn()),
+          },
+          "Let the synthetic person act",
+        ),
       ),
     );
   }
@@ -139,6 +109,14 @@ export class Coach {
   /** @param {Action} action */
   #act(action) {
     return attempt(() => this.studio.api.post("/api/collect/action", { action }));
+  }
+
+  /** The synthetic person acts from now on; the plan stays as it is. */
+  async #standIn() {
+    const { api } = this.studio;
+    await api.post("/api/mode", { mode: "live" });
+    await api.post("/api/source", { source: "operator" });
+    await api.post("/api/mode", { mode: "collect" });
   }
 
   /** Browsers let a page sound only after somebody has touched it. */
@@ -178,12 +156,18 @@ export class Coach {
     const share = passed(collect);
     setStyle($(".meter", coach), { visibility: share === null ? "hidden" : "visible" });
     setStyle($(".meter i", coach), { transform: `scaleX(${(share ?? 0).toFixed(4)})` });
-    text($(".why", coach), why);
+    text($(".why", coach), capital(why));
     $(".why", coach).hidden = !why;
-    for (const button of $$("#coach-actions [data-action]"))
-      button.hidden = !BUTTONS.some(
-        ({ action, phases }) => action === button.dataset.action && phases.includes(phase),
-      );
+    const nobody = this.studio.state?.reason === "source_ended";
+    $("#coach-stand-in").hidden = !nobody;
+    for (const { action, phases } of BUTTONS) {
+      const button = $button(`#coach-actions [data-action="${action}"]`);
+      button.disabled = !phases.includes(phase) || (nobody && action === "go");
+      // "I have seen it" stays where it is until the take ends: Abort beside it must not move away
+      // from under a finger.
+      const over = action === "skip" && !button.hidden && ["countdown", "record"].includes(phase);
+      button.hidden = !phases.includes(phase) && !over;
+    }
     $("#coach-review").hidden = !(phase === "review" && take);
     this.#judge(phase === "review" ? take : null);
     this.#sound(collect);

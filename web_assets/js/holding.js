@@ -20,13 +20,20 @@ export async function takeOrGive(studio) {
 /** @param {Studio} studio @param {State} state */
 export function drawControl(studio, state) {
   const mine = driven(studio);
-  const { holder, pages } = state.control;
+  const { free, pages } = state.control;
   const others = pages.length - 1;
-  $("#control").dataset.held = mine ? "you" : holder ? "other" : "none";
+  $("#control").dataset.held = mine ? "you" : free ? "none" : "other";
   const driving = others > 0 ? `You drive · ${others} watching` : "You drive";
   text($("#control"), mine ? driving : "Take control");
   document.body.dataset.role = mine ? "drive" : "watch";
   $("#watching").hidden = mine;
-  const who = holder ? "Another page drives" : "Nobody drives";
-  text($("#watching span"), `You are watching. ${who}; this page can only stop.`);
+  text($("#watching span"), watching(state.control));
+}
+
+/** What a page is told that does not drive. @param {State["control"]} control */
+export function watching({ holder, pages, free, away }) {
+  const gone = holder && !pages.includes(holder) ? "The page that drove is closed" : "";
+  const silent = holder ? "The page that drives does not answer" : "Nobody drives";
+  const held = away ? "Another page drives, out of sight" : "Another page drives";
+  return `You are watching. ${free ? gone || silent : held}; this page can only stop.`;
 }

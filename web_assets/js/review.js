@@ -187,10 +187,11 @@ export class Review {
       await this.#reload(false);
     });
 
-  /** Back to what was done before. */
+  /** Back to what was done before, unless somebody has chosen a mode meanwhile. */
   async close() {
     this.#show(false);
-    await attempt(() => this.studio.api.post("/api/mode", { mode: this.#came }));
+    const back = { mode: this.#came, leaving: /** @type {const} */ ("replay") };
+    await attempt(() => this.studio.api.post("/api/mode", back));
     takesChanged();
   }
 

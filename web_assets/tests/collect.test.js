@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { coached, passed } from "../js/coach.js";
+import { coached, passed } from "../js/coached.js";
 import { Ticks, about } from "../js/collected.js";
 import { itemsOf } from "../js/plan.js";
 

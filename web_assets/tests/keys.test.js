@@ -111,6 +111,20 @@ test("keys that would fly the view's camera stop at the frame, whether or not th
   }
 });
 
+test("a page that goes out of sight, or loses the keyboard, lets go of what is held", () => {
+  for (const happens of ["blur", "visibilitychange"]) {
+    const { keyboard, told } = made({ drives: true });
+    /** @type {any} */
+    const target = Object.assign(new EventTarget(), { document: new EventTarget() });
+    target.parent = target;
+    keyboard.listen(target);
+    keyboard.down(press("w"));
+    const where = happens === "blur" ? target : target.document;
+    where.dispatchEvent(new Event(happens));
+    assert.deepEqual(told, [["W"], []]);
+  }
+});
+
 test("Space never presses Arm", () => {
   const { done, keyboard } = made();
   keyboard.down(press(" ", { tagName: "BUTTON", id: "arm" }));

@@ -101,7 +101,8 @@ export interface paths {
         /**
          * Mode
          * @description idle: the robot rests; live: it follows the source; replay: a take is shown again; collect:
-         *     motions are shown, acted out and recorded.
+         *     motions are shown, acted out and recorded. leaving: only out of this mode; in another nothing
+         *     happens, for somebody has chosen it meanwhile.
          */
         post: operations["mode_api_mode_post"];
         delete?: never;
@@ -1636,7 +1637,8 @@ export interface components {
         };
         /**
          * Control
-         * @description Which page drives, and all of them.
+         * @description Which page drives, and all of them. free: that page is gone, or none drives. away: it is
+         *     out of sight, behind another tab or minimised.
          */
         Control: {
             /** Holder */
@@ -1645,6 +1647,8 @@ export interface components {
             pages: string[];
             /** Free */
             free: boolean;
+            /** Away */
+            away: boolean;
         };
         /**
          * ControlBody
@@ -2514,7 +2518,8 @@ export interface components {
         /**
          * SetMode
          * @description idle: the robot rests; live: it follows the source; replay: a take is shown again; collect:
-         *     motions are shown, acted out and recorded.
+         *     motions are shown, acted out and recorded. leaving: only out of this mode; in another nothing
+         *     happens, for somebody has chosen it meanwhile.
          */
         SetMode: {
             /**
@@ -2522,6 +2527,8 @@ export interface components {
              * @enum {string}
              */
             mode: "idle" | "live" | "replay" | "collect";
+            /** Leaving */
+            leaving?: ("idle" | "live" | "replay" | "collect") | null;
         };
         /**
          * SetPerson

@@ -26,10 +26,12 @@ MODES: tuple[Mode, ...] = ("idle", "live", "replay", "collect")
 
 class SetMode(Command):
     """idle: the robot rests; live: it follows the source; replay: a take is shown again; collect:
-    motions are shown, acted out and recorded."""
+    motions are shown, acted out and recorded. leaving: only out of this mode; in another nothing
+    happens, for somebody has chosen it meanwhile."""
 
     path: ClassVar[str] = "mode"
     mode: Annotated[str, OneOf("mode", MODES)]
+    leaving: Annotated[str, OneOf("mode", MODES)] | None = None
 
     @property
     def prepares(self) -> bool:
@@ -47,6 +49,8 @@ class SetMode(Command):
 
     def apply(self, runtime: "Runtime", now: float, prepared: Any = None) -> Made:
         """Change the mode; a running take of a plan is thrown away when collecting is left."""
+        if self.leaving not in (None, runtime.mode):
+            return {}
         if self.mode == "collect":
             runtime.enter_collect(prepared, now)
             return {}

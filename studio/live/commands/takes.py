@@ -23,8 +23,12 @@ class StartTake(Command):
 
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """Begin the take; without label and name it is called as its source. StudioError for a
-        source that has ended."""
+        source that has ended, and in a mode that records by itself or shows what was."""
         runtime.reader.refuse_ended("record")
+        if runtime.mode == "collect":
+            raise StudioError("collecting records its own takes: choose mode live to record one")
+        if runtime.mode == "replay":
+            raise StudioError("a take is shown, and nothing new to record: choose mode live first")
         label = self.label.strip() or runtime.source.label
         name = runtime.recorder.start(label, name=self.name, about=runtime.about())
         runtime.puppeteer.align_robot_to_reference()
