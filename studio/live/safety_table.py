@@ -123,7 +123,7 @@ ROWS: tuple[Row, ...] = (
         within=PAGE_LOST_AFTER + _PERIOD,
         reason="page_lost",
         latched=False,
-        then=_ITSELF + "the page is heard again, or another takes control; or whoever arms takes its place",
+        then=_ITSELF + "the page is heard again; or whoever takes control or arms takes its place",
     ),
     Row(
         key="away",

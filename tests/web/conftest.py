@@ -1,5 +1,6 @@
 """A whole studio on a loopback port: loop, inner viser, gateway, in this process; a browser."""
 
+import shutil
 import threading
 import time
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from browsing import PATIENCE, chromium, drawn
 from served import Served
 
 from studio.options import ServeConfig
+from studio.paths import package_folder
 from studio.web.serve import studio
 
 TOKEN = "test-token-0123456789"
@@ -102,6 +104,14 @@ def studio_live(studio_at):
     client.post("/api/mode", json={"mode": "live"})
     client.post("/api/state", json={"state": "auto"})
     return studio_at
+
+
+@pytest.fixture(scope="module")
+def example_sessions(tmp_path_factory):
+    """A folder of takes that holds the two examples, for one file's tests to change."""
+    sessions = tmp_path_factory.mktemp("root") / "sessions"
+    shutil.copytree(package_folder("sessions"), sessions)
+    return sessions
 
 
 @pytest.fixture(scope="module")

@@ -1,23 +1,17 @@
 """For everyone: axe-core finds nothing in any panel, and the page works from the keyboard."""
 
-import shutil
-
 import pytest
 from axe import find_nothing
 from browsing import click, until
 from served import Served
 
-from studio.paths import package_folder
-
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
 
 @pytest.fixture(scope="module")
-def served(tmp_path_factory):
+def served(example_sessions):
     """A studio with the two example takes."""
-    sessions = tmp_path_factory.mktemp("root") / "sessions"
-    shutil.copytree(package_folder("web_assets").parent / "sessions", sessions)
-    served = Served(sessions, "--source", "operator:quiet")
+    served = Served(example_sessions, "--source", "operator:quiet")
     yield served
     served.end_well()
 

@@ -1,6 +1,5 @@
 """The library in a real Chromium: many takes by mouse and keyboard, the bin, undo, exports."""
 
-import shutil
 import zipfile
 
 import pytest
@@ -10,7 +9,6 @@ from browsing import click, until
 from numpy.random import default_rng
 from served import Served
 
-from studio.paths import package_folder
 from studio.takes.sessions import SessionBook
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
@@ -30,10 +28,9 @@ SAID = "() => document.querySelector('#library-says').textContent"
 
 
 @pytest.fixture(scope="module")
-def served(tmp_path_factory):
+def served(example_sessions):
     """A studio with the two example takes and Ann's three, none of which has a score."""
-    sessions = tmp_path_factory.mktemp("root") / "sessions"
-    shutil.copytree(package_folder("web_assets").parent / "sessions", sessions)
+    sessions = example_sessions
     for i, name in enumerate(ACTED):
         record(acted_take("tilt", default_rng(i), seconds=3.0), sessions, name)
         SessionBook(sessions).add("Ann", name)

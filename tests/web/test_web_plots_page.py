@@ -1,15 +1,12 @@
 """Plots in a real Chromium: asked beside done, live and of a take under review."""
 
 import csv
-import shutil
 
 import numpy as np
 import pytest
 from axe import find_nothing
 from browsing import click, until
 from served import Served
-
-from studio.paths import package_folder
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
@@ -24,11 +21,9 @@ LINE = """() => {
 
 
 @pytest.fixture(scope="module")
-def served(tmp_path_factory):
+def served(example_sessions):
     """A studio with the two example takes."""
-    sessions = tmp_path_factory.mktemp("root") / "sessions"
-    shutil.copytree(package_folder("sessions"), sessions)
-    served = Served(sessions, "--source", "operator:quiet")
+    served = Served(example_sessions, "--source", "operator:quiet")
     yield served
     served.end_well()
 

@@ -40,11 +40,9 @@ GO = """(share) => {
 
 
 @pytest.fixture(scope="module")
-def served(tmp_path_factory):
+def served(example_sessions):
     """A studio with the two example takes."""
-    sessions = tmp_path_factory.mktemp("root") / "sessions"
-    shutil.copytree(package_folder("web_assets").parent / "sessions", sessions)
-    served = Served(sessions, "--source", "operator:quiet")
+    served = Served(example_sessions, "--source", "operator:quiet")
     yield served
     served.end_well()
 

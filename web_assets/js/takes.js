@@ -14,8 +14,9 @@ const ROWS = 60;
 export class TakesPanel {
   /** @type {Take[]} */
   #takes = [];
-  /** Name of the take being recorded. @type {string | null} */
-  #recording = null;
+  /** Name of the take being recorded; undefined before anything is known. */
+  /** @type {string | null | undefined} */
+  #recording;
   /** @type {string | null} */
   #trouble = null;
 
@@ -107,6 +108,8 @@ export class TakesPanel {
   draw({ recording, recording_error }) {
     const before = this.#recording;
     this.#recording = recording?.name ?? null;
+    if (before === undefined && recording)
+      toast(`Recording goes on: ${recording.name}`, "good", "");
     if (before !== this.#recording) this.#refresh();
     const button = $("#record");
     button.setAttribute("aria-pressed", String(this.#recording !== null));
