@@ -4,6 +4,7 @@ A sender on this machine says where it is in its sequence by standing that many 
 the ticks say it back. What a sensor and its pose model take comes on top.
 """
 
+import json
 import threading
 import time
 from typing import Any
@@ -14,7 +15,9 @@ from studio.bench.run import percentiles
 from studio.bench.served import TOKEN, served
 from studio.client import ClientError, Studio
 from studio.errors import StudioError
+from studio.mocap.gate import FrameGate
 from studio.synthetic.operator import OperatorSource
+from studio.timing import CONTROL_DT
 
 AROUND = 400
 """Frames after which the sequence begins again: a step back of 0.4 m is none that is refused."""
@@ -24,9 +27,9 @@ _EVERY = 0.035
 
 
 def frame_latency(seconds: float) -> dict[str, Any]:
-    """{sent_to_tick_ms, seen_share, arrivals, latency_ms} of frames sent 29 times a second.
+    """{sent_to_tick_ms, seen_share, arrivals, latency_ms, check_ms} of 29 frames a second.
 
-    sent_to_tick_ms: percentiles from sending a frame to having the tick with its reference back.
+    sent_to_tick_ms: from sending a frame to having the tick with its reference back.
     seen_share: of the frames, the others being replaced by a newer one before a control period
     came. arrivals, latency_ms: as the state says them. StudioError when the studio does not serve.
     """
@@ -42,7 +45,23 @@ def frame_latency(seconds: float) -> dict[str, Any]:
         "seen_share": len(took) / len(sent),
         "arrivals": state["arrivals"],
         "latency_ms": state["latency_ms"],
+        "check_ms": _checks(300),
     }
+
+
+def _checks(count: int) -> dict[str, float]:
+    """Percentiles of what the gate takes for a frame, as JSON."""
+    gate, person = FrameGate(live=False), OperatorSource("walk", seed=0)
+    took = []
+    for k in range(count):
+        pose = person.read(k * CONTROL_DT)
+        assert pose is not None
+        frame = {"t": pose.t, "skeleton": "studio", "positions": pose.joint_pos_w.tolist()}
+        text = json.dumps(frame).encode()
+        began = time.perf_counter()
+        gate.check(text)
+        took.append(time.perf_counter() - began)
+    return percentiles(1e3 * np.array(took))
 
 
 def _sent_and_seen(

@@ -330,15 +330,3 @@ def test_a_finished_tape_cut_in_two_gives_most_of_its_first_half_back(tmp_path: 
     take = read_take(folder)
     assert take.recovered
     assert len(take) > 45  # a chunk holds about a second; one of 1 MiB held all six
-
-
-def test_appending_costs_little(tmp_path: Path):
-    recorder = Recorder(tmp_path)
-    recorder.start("cost")
-    costs = []
-    for tick in make_ticks(200):
-        start = time.thread_time()
-        recorder.append(tick)
-        costs.append(time.thread_time() - start)
-    recorder.close()
-    assert np.median(costs) < 0.5e-3  # four messages; 0.09 ms measured
