@@ -77,6 +77,16 @@ def names(root: Path) -> list[str]:
     return list(dict.fromkeys(name for _, name, _ in _all(root)))
 
 
+def is_place(name: str) -> bool:
+    """Whether that is a place of the bin: no take is called so."""
+    return _PLACE.match(name) is not None
+
+
+def folder_at(root: Path, place: str) -> Path:
+    """The folder of the take at a place of the bin. StudioError if there is none."""
+    return _known(root, place)[0]
+
+
 def bring_back(root: Path, name: str) -> None:
     """Bring the take of this name that was deleted last back from the bin.
 

@@ -15,11 +15,12 @@ from studio import geometry
 from studio.errors import StudioError
 from studio.human.skeleton import INDEX, PARENTS
 from studio.robot.kinematics import foot_pos_w, link_frames_w
+from studio.takes import bin
 from studio.takes.columns import Columns
 from studio.takes.edit import edited
 from studio.takes.edit.edits import EDITS, Edits
-from studio.takes.names import take_folder
 from studio.takes.record.meta import TAPE
+from studio.takes.session_library import SessionLibrary
 
 Array = NDArray[np.float64]
 
@@ -58,13 +59,19 @@ def key_of(folder: Path) -> tuple[int, ...]:
     return tape.st_size, tape.st_mtime_ns, edits
 
 
+def folder_of(sessions: Path, name: str) -> Path:
+    """The folder of a take by its name, or by its place in the bin; StudioError for neither."""
+    if bin.is_place(name):
+        return bin.folder_at(sessions, name)
+    return SessionLibrary(sessions).folder(name)
+
+
 def thumbnails(sessions: Path, names: Sequence[str]) -> tuple[dict[str, str], dict[str, str]]:
-    """Pictures by name, and why there is none of the others."""
+    """Pictures by name (or place in the bin), and why there is none of the others."""
     drawn, refused = {}, {}
     for name in names:
         try:
-            take_folder(sessions, name)
-            drawn[name] = thumbnail(*edited.open_table(sessions, name))
+            drawn[name] = thumbnail(*edited.open_folder(folder_of(sessions, name)))
         except StudioError as error:
             refused[name] = str(error)
     return drawn, refused

@@ -12,7 +12,6 @@ from studio.errors import StudioError
 from studio.live.command import Body
 from studio.takes import bin, many, thumbnail
 from studio.takes.many import Action
-from studio.takes.session_library import SessionLibrary
 from studio.web.answers import answers
 from studio.web.answers_takes import Acted, Bin, Pictures, Scores
 from studio.web.hub import Hub, OffThread, refused
@@ -59,11 +58,10 @@ class Thumbnails:
 
     def __init__(self, hub: Hub) -> None:
         self._hub = hub
-        self._library = SessionLibrary(hub.sessions)
         self._known: OrderedDict[str, tuple[tuple[int, ...], str]] = OrderedDict()
 
     async def of(self, names: Sequence[str]) -> Pictures:
-        """Those of the takes, drawn now where they are not known."""
+        """Those of takes, and of places in the bin; drawn now where they are not known."""
         off_thread = OffThread(self._hub.workers, 500)
         keys, why = await off_thread(self._keys, names)
         known = {name: self._known.get(name, ((), "")) for name in keys}
@@ -84,7 +82,7 @@ class Thumbnails:
         keys, why = {}, {}
         for name in names:
             try:
-                keys[name] = thumbnail.key_of(self._library.folder(name))
+                keys[name] = thumbnail.key_of(thumbnail.folder_of(self._hub.sessions, name))
             except StudioError as error:
                 why[name] = str(error)
         return keys, why
@@ -105,7 +103,7 @@ def library_router(hub: Hub) -> APIRouter:
 
     @router.post("/takes/thumbnails", **answers(Pictures, 422))
     async def pictures(body: LookBody) -> Pictures:
-        """A small picture of each take, as SVG."""
+        """A small picture of each take, as SVG; of one in the bin by its place there."""
         return await thumbnails.of(body.names)
 
     @router.post("/takes/scores", **answers(Scores, 422))

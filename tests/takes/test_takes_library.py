@@ -110,6 +110,16 @@ def test_a_picture_shows_the_figures_at_the_instant_that_moves_most(library: Ses
     assert early < 30
 
 
+def test_a_take_in_the_bin_has_the_picture_it_had(library: SessionLibrary):
+    before, _ = thumbnails(library.root, ["a"])
+    (place,) = many.act(library.root, ["a"], "delete").binned
+    gone = "b.20260101-000000-000000"
+    drawn, refused = thumbnails(library.root, [place, gone, "../a", "a"])
+    assert drawn == {place: before["a"]}
+    assert "nothing lies" in refused[gone]
+    assert set(refused) == {gone, "../a", "a"}
+
+
 def test_a_picture_is_drawn_anew_only_where_tape_or_edits_changed(library: SessionLibrary):
     folder = library.root / "a"
     before = key_of(folder)

@@ -95,6 +95,12 @@ def test_takes_have_pictures_and_scores(shelf):
     shelf.patch(f"/api/takes/{NAMES[0]}", json={"trim": [0.0, 0.5]})
     second = shelf.post("/api/takes/thumbnails", json=body).json()["pictures"]
     assert {n for n in NAMES if second[n] != first["pictures"][n]} == {NAMES[0]}
+    (place,) = shelf.post("/api/takes/many", json={"names": NAMES[:1], "action": "delete"}).json()[
+        "binned"
+    ]
+    binned = shelf.post("/api/takes/thumbnails", json={"names": [place]}).json()["pictures"]
+    assert binned == {place: second[NAMES[0]]}  # as it was when it was thrown away
+    shelf.post("/api/bin", json={"places": [place], "action": "restore"})
     found = shelf.post("/api/takes/scores", json=body).json()
     assert set(found["scores"]) == set(NAMES)
     listed = {t["name"]: t["score"] for t in shelf.get("/api/takes").json()}

@@ -152,6 +152,16 @@ def test_the_bin_gives_back_and_deletes_for_good_after_asking_once(library, serv
     )
     click(library, "#library-bin")
     until(library, "() => document.querySelector('#library-title').textContent === 'Bin'")
+    until(
+        library,
+        f"() => document.querySelectorAll('#library-list .binned img[src]').length === {5 - left}",
+    )
+    library.get_by_role("button", name="Restore").first.click()
+    toast(library, "1 take restored")
+    until(
+        library,
+        f"() => document.querySelectorAll('#library-list li[data-id]').length === {4 - left}",
+    )
     library.focus("#library-list input")
     library.keyboard.press("Control+a")
     click(library, "#bin-restore")

@@ -15,6 +15,7 @@ import { spoken } from "./words.js";
  * @property {(name: string) => unknown} review
  * @property {(name: string) => unknown} replay
  * @property {(name: string) => unknown} drive
+ * @property {(place: string) => unknown} restore
  */
 
 const SAID = { kept: "kept", new: "", rejected: "rejected" };
@@ -27,8 +28,8 @@ const SAID = { kept: "kept", new: "", rejected: "rejected" };
  */
 export function takeCard(take, chosen, pictures, on) {
   const { name, label, score, started, damaged, recording } = take;
-  const image = el("img", { alt: "", width: 200, height: 100 });
-  pictures.show(image, take);
+  const image = picture();
+  if (!recording) pictures.show(image, take);
   const verdict = verdictOf(take);
   const said = recording
     ? ["being recorded"]
@@ -37,12 +38,7 @@ export function takeCard(take, chosen, pictures, on) {
     /** @type {string} */ words,
     /** @type {string} */ title,
     /** @type {(name: string) => unknown} */ what,
-  ) =>
-    el(
-      "button",
-      { title, "aria-label": `${words} ${name}`, onclick: () => attempt(() => what(name)) },
-      words,
-    );
+  ) => small(words, name, title, () => what(name));
   const percent = Math.round(100 * (score ?? 0));
   return el(
     "li",
@@ -78,17 +74,36 @@ export function takeCard(take, chosen, pictures, on) {
   );
 }
 
-/** @param {Binned} binned @param {boolean} chosen @param {CardActions} on */
-export function binCard({ place, deleted, bytes, take }, chosen, on) {
+/**
+ * @param {Binned} binned
+ * @param {boolean} chosen
+ * @param {Pictures} pictures
+ * @param {CardActions} on
+ */
+export function binCard({ place, deleted, bytes, take }, chosen, pictures, on) {
   const { name, label } = take;
+  const image = picture();
+  pictures.show(image, { ...take, name: place });
   const title = `${name}, deleted ${moment(deleted)}`;
   return el(
     "li",
     { class: `binned ${chosen ? "chosen" : ""}`, "data-id": place, title },
     box(place, name, chosen, false, on),
+    el("div", { class: "picture" }, image),
     words(label || name, [`${take.seconds.toFixed(1)} s`, space(bytes), moment(deleted)]),
+    el(
+      "div",
+      { class: "row" },
+      small("Restore", name, "Back among the takes", () => on.restore(place)),
+    ),
   );
 }
+
+/** @param {string} words @param {string} name @param {string} title @param {() => unknown} what */
+const small = (words, name, title, what) =>
+  el("button", { title, "aria-label": `${words} ${name}`, onclick: () => attempt(what) }, words);
+
+const picture = () => el("img", { alt: "", width: 200, height: 100 });
 
 /**
  * @param {string} id

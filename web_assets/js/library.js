@@ -2,7 +2,7 @@
 
 import { CardKeys } from "./card-keys.js";
 import { $, $$, $input, el, takesChanged, text } from "./dom.js";
-import { binActions, binned, takeActions } from "./library-actions.js";
+import { binActions, binned, restored, takeActions } from "./library-actions.js";
 import { binCard, takeCard } from "./library-cards.js";
 import { length, space } from "./library-list.js";
 import { libraryDialog } from "./library-parts.js";
@@ -143,7 +143,7 @@ export class Library {
     this.#selection.retain(this.#ids);
     const has = (/** @type {string} */ id) => this.#selection.has(id);
     const all = bin
-      ? this.#bin.takes.map((one) => () => binCard(one, has(one.place), this.#on))
+      ? this.#bin.takes.map((one) => () => binCard(one, has(one.place), this.pictures, this.#on))
       : this.#listed.map((take) => () => takeCard(take, has(take.name), this.pictures, this.#on));
     const cards = all.slice(0, this.#rows).map((card) => card());
     if (!cards.length) cards.push(el("li", { class: "empty" }, this.#nothing));
@@ -199,6 +199,7 @@ export class Library {
         await this.studio.api.post("/api/mode", { mode: "replay" });
       }),
     drive: (/** @type {string} */ name) => this.#lead(() => this.#drive(name)),
+    restore: (/** @type {string} */ place) => restored(this.studio.api, [place]),
   };
 
   /** @param {string} name */

@@ -8,7 +8,9 @@ import { attempt } from "./dom.js";
 const AT_ONCE = 12; // pictures
 const SCORED = 4; // takes: each is looked over whole
 
-/** Which take, as its edits leave it. @param {Take} take */
+/** @typedef {Pick<Take, "name" | "started" | "undoable" | "redoable">} Pictured */
+
+/** Which take, as its edits leave it. @param {Pictured} take */
 const version = ({ name, started, undoable, redoable }) =>
   [name, started, undoable, redoable].join("|");
 
@@ -19,7 +21,7 @@ const recording = ({ name, started }) => `${name} ${started}`;
 export class Pictures {
   /** Data URLs by a take's version; "" where there is none. @type {Map<string, string>} */
   #known = new Map();
-  /** Images that wait for theirs. @type {Map<HTMLImageElement, Take>} */
+  /** Images that wait for theirs. @type {Map<HTMLImageElement, Pictured>} */
   #wanted = new Map();
   #asking = false;
   #seen = new IntersectionObserver((entries) => {
@@ -32,7 +34,7 @@ export class Pictures {
     }
     this.#ask();
   });
-  /** @type {WeakMap<HTMLImageElement, Take>} */
+  /** @type {WeakMap<HTMLImageElement, Pictured>} */
   #takes = new WeakMap();
 
   /** @param {Api} api */
@@ -41,11 +43,11 @@ export class Pictures {
   }
 
   /** Give an image its take's picture, now or once it is on the screen. */
-  /** @param {HTMLImageElement} image @param {Take} take */
+  /** @param {HTMLImageElement} image @param {Pictured} take its name may be a place in the bin */
   show(image, take) {
     const known = this.#known.get(version(take));
     if (known) image.src = known;
-    else if (known === undefined && !take.recording) {
+    else if (known === undefined) {
       this.#takes.set(image, take);
       this.#seen.observe(image);
     }

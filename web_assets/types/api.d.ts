@@ -835,7 +835,7 @@ export interface paths {
         put?: never;
         /**
          * Pictures
-         * @description A small picture of each take, as SVG.
+         * @description A small picture of each take, as SVG; of one in the bin by its place there.
          */
         post: operations["pictures_api_takes_thumbnails_post"];
         delete?: never;

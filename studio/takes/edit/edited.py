@@ -21,10 +21,14 @@ Array = NDArray[np.float64]
 
 def open_table(sessions: Path, name: str) -> tuple[Columns, Edits]:
     """A take's table and edits, by name. StudioError for a take without ticks, too."""
-    folder = SessionLibrary(sessions).folder(name)
+    return open_folder(SessionLibrary(sessions).folder(name))
+
+
+def open_folder(folder: Path) -> tuple[Columns, Edits]:
+    """The same by its folder, which may lie in the bin."""
     table = columns(folder)
     if not len(table):
-        raise StudioError(f"take {name} holds no tick that could be read: delete it")
+        raise StudioError(f"take {folder.name} holds no tick that could be read: delete it")
     return table, edit_log.read_edits(folder).edits
 
 
