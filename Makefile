@@ -10,7 +10,7 @@ NPM_CI := npm --prefix $(WEB) ci --ignore-scripts --no-audit --no-fund --logleve
 BROWSER_STAMP := $(VENV)/.browser-stamp
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup run test test-long test-quick safety check format schema vendor bench pictures browser clean
+.PHONY: setup run test test-long test-quick tables check format schema vendor bench pictures browser clean
 
 setup: $(STAMP) vendor
 
@@ -61,9 +61,10 @@ test-quick: setup
 schema: setup
 	$(BIN)/a1-studio openapi --json build/openapi.json
 
-# The page of the safety table.
-safety: setup
+# The pages of the tables of safety and modes.
+tables: setup
 	$(BIN)/python -m studio.live.safety_table > docs/safety.md
+	$(BIN)/python -m studio.live.mode_table > docs/modes.md
 
 check: setup schema $(NODE_STAMP)
 	$(BIN)/ruff format --check .

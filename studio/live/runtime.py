@@ -73,9 +73,11 @@ class Runtime:
     # What commands ask of more than one of them -------------------------------------------------
 
     def enter(self, mode: str, now: float) -> None:
-        """Change the mode. StudioError where there is nothing to replay."""
+        """Change the mode. StudioError where there is nothing to replay, or a take is recorded."""
         if mode == "replay" and self.replay is None:
             raise StudioError("nothing to replay: record a take, or choose the source take:NAME")
+        if mode == "replay" and self.mode != "collect":
+            self.collector.refuse_while_recording()  # nothing of a replay would be recorded
         if mode != "collect":
             self.leave_collect(now)
         self.mode, self.idle_by_source = mode, False

@@ -169,7 +169,7 @@ def page() -> str:
     """docs/safety.md."""
     head = """# What stops the robot, and how it goes on
 
-Made from the code by `make safety`; each row is acted out in a test. Times are from when it happens
+Made from the code by `make tables`; each row is acted out in a test. Times are from when it happens
 to when the robot has begun to do it, on the control loop's clock (a period is 33 ms). `reason` is
 in `GET /api/state`; the page shows `why` beside it, in words. *Stays so*: until somebody resets and
 arms. A stop wins over every other row.

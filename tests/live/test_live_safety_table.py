@@ -134,7 +134,7 @@ def test_the_table_has_a_test_for_each_row():
 
 
 def test_the_page_in_the_docs_is_made_of_the_table():
-    assert DOCS.read_text() == page(), "write it anew: make safety"
+    assert DOCS.read_text() == page(), "write it anew: make tables"
 
 
 def test_row_stop(studio):
