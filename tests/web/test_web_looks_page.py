@@ -74,3 +74,53 @@ def test_trails_follow_walking_feet_and_are_gone_with_their_source_and_when_swit
     until(page, f"() => a1studio.state.source === 'operator:quiet' && {TRAIL}('robot') < 0.3")
     click(page, "#besides [data-besides=trails]")
     until(page, f"() => !{NODE}('/robot/world').children.some((thing) => thing.isMesh)")
+
+
+CAMERAS = f"""(() => new Promise((told) => {{
+  const {{ scene }} = {INSIDE};
+  const [seen, draws] = [new Set(), scene.onAfterRender];
+  scene.onAfterRender = (renderer, _, camera) => {{
+    seen.add(camera);
+    draws?.call(scene, renderer, _, camera);
+  }};
+  setTimeout(() => {{
+    scene.onAfterRender = draws;
+    told(seen.size);
+  }}, 2000);
+}}))()"""
+"""How many cameras draw the view."""
+LEFT = """((figure) => {
+  const { left, right } =
+    document.querySelector(`.caption[data-figure=${figure}]`).getBoundingClientRect();
+  return (left + right) / 2;
+})"""
+NOTE = "document.querySelector('#eye figcaption').textContent"
+
+
+def test_the_robots_eye_is_a_picture_of_its_own_while_it_is_wanted(page):
+    assert page.evaluate(f"() => {CAMERAS}") == 1
+    click(page, "#besides [data-besides=eye]")
+    until(page, f"() => {NOTE} === 'What its front sees'")
+    until(page, f"() => {CAMERAS}.then((cameras) => cameras === 2)")
+    axe.find_nothing(page)
+    for _ in range(2):
+        click(page, '#figures [data-figure="robot"]')
+    until(page, f"() => {NOTE}.startsWith('The robot is hidden')")
+    click(page, '#figures [data-figure="robot"]')
+    click(page, "#besides [data-besides=eye]")
+    until(page, f"() => {CAMERAS}.then((cameras) => cameras === 1)")
+
+
+def test_the_split_view_has_a_picture_of_the_person_and_one_of_the_robots(page):
+    page.keyboard.press("6")
+    middle = "document.querySelector('.stage').clientWidth / 2"
+    apart = f"{LEFT}('human') < {middle} && {LEFT}('reference') > {middle}"
+    until(page, f"() => {apart} && {LEFT}('robot') > {LEFT}('reference')")
+    assert page.evaluate(f"() => {CAMERAS}") == 2
+    page.set_viewport_size({"width": 1000, "height": 640})
+    until(page, f"() => {apart}")
+    page.reload()
+    axe.put_into(drawn(page))
+    until(page, f"() => {apart}")
+    page.keyboard.press("1")
+    until(page, f"() => {CAMERAS}.then((cameras) => cameras === 1)")

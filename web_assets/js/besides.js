@@ -2,19 +2,29 @@
 
 import { attempt } from "./dom.js";
 
+/** @import { Eye } from "./eye.js" */
 /** @import { Looks } from "./looks.js" */
+/** @import { Panes } from "./panes.js" */
 /** @import { Trails } from "./trails.js" */
 /** @import { State, Tick, Viser } from "../types/page.js" */
 
 export class Besides {
   /** @type {Trails | null} */
   #trails = null;
+  /** @type {Eye | null} */
+  #eye = null;
   /** @type {Set<string>} */
   #asked = new Set();
 
-  /** @param {Looks} looks */
-  constructor(looks) {
+  /**
+   * @param {Looks} looks @param {Panes} panes
+   * @param {{ newest: () => Tick | null, shows: (figure: string) => boolean }} view
+   */
+  constructor(looks, panes, { newest, shows }) {
     this.looks = looks;
+    this.panes = panes;
+    this.newest = newest;
+    this.shows = shows;
   }
 
   /** Once. @param {string} what @param {() => Promise<void>} load */
@@ -38,5 +48,12 @@ export class Besides {
       });
       this.#trails?.draw(viser);
     } else this.#trails?.remove(viser);
+    if (this.looks.on("eye")) {
+      this.#load("eye", async () => {
+        const { Eye } = await import("./eye.js");
+        this.#eye = new Eye(this.panes, this.newest, () => this.shows("robot"));
+      });
+      this.#eye?.draw(viser);
+    } else this.#eye?.remove();
   }
 }

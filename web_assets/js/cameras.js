@@ -1,6 +1,7 @@
 // Where the cameras stand, and where a caption goes: geometry without a page.
 
 /** @typedef {"front" | "side" | "behind" | "top" | "chase" | "split"} CameraName */
+/** @import { Rect } from "./panes.js" */
 /** @typedef {"human" | "reference" | "robot"} Figure */
 
 /**
@@ -25,15 +26,17 @@ const CAMERAS = {
     at: [0, 0, 0.3],
     places: { human: null, reference: null, robot: [0, 0] },
   },
-  // Person on the left half, robots on the right.
+  // The robots' half: the person is seen by a camera beside it (`panes.js`), and stands aside.
   split: {
-    from: [3.6, 0, 0.75],
-    at: [0, 0, 0.45],
-    places: { human: [0.7, -0.72], reference: [0, 0.42], robot: [0, 1.14] },
+    from: [3.4, -0.9, 1.1],
+    at: [0, 0, 0.3],
+    places: { human: [0, -1.9], reference: [0, -0.42], robot: [0, 0.42] },
   },
 };
 /** Width over height; narrower views step back, so that all three figures stay in sight. */
 const WIDE = 1.75;
+/** Of the split view, in which two robots have half of it. */
+const HALF_WIDE = 0.95;
 /** The figures stand that much wider beside props. */
 const APART = 1.35;
 /** Half of viser's angle of view, upright, as a tangent. */
@@ -51,7 +54,8 @@ const HALF = Math.tan(0.25);
 export function stand(name, aspect, props = false, covered = 0) {
   const { from, at, places } = CAMERAS[name];
   const room = aspect * (1 - covered);
-  const narrow = name === "chase" ? 1 : Math.max(1, WIDE / room);
+  const wide = name === "split" ? HALF_WIDE : WIDE;
+  const narrow = name === "chase" ? 1 : Math.max(1, wide / room);
   const back = narrow * (props && !places ? APART : 1);
   const eye = at.map((c, i) => c + back * from[i]);
   return { eye, at, aside: covered * back * Math.hypot(...from) * HALF * aspect };
@@ -104,16 +108,16 @@ const GAP = 4;
  * before the camera.
  *
  * @param {{ x: number, y: number }} point of the figure, in the view's coordinates from -1 to 1
- * @param {[number, number]} view px
+ * @param {Rect} view its part of the page, px
  * @param {[number, number]} caption px
  */
-export function place({ x, y }, [viewWidth, viewHeight], [width, height]) {
+export function place({ x, y }, view, [width, height]) {
   // A camera that has not looked yet answers NaN.
   if (!(Math.abs(x) < 1.1 && Math.abs(y) < 1.2)) return null;
   const half = width / 2 + 6;
   return {
-    left: Math.min(viewWidth - half, Math.max(half, ((x + 1) / 2) * viewWidth)),
-    top: Math.min(viewHeight - FOOT, Math.max(height + 6, ((1 - y) / 2) * viewHeight)),
+    left: view.x + Math.min(view.width - half, Math.max(half, ((x + 1) / 2) * view.width)),
+    top: view.y + Math.min(view.height - FOOT, Math.max(height + 6, ((1 - y) / 2) * view.height)),
   };
 }
 

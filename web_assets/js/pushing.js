@@ -1,7 +1,7 @@
 // A push: from the simulated robot to the pointer an arrow, and a force that way while it is held.
 
 import { $, text, toast } from "./dom.js";
-import { toThree } from "./view-camera.js";
+import { onPlane, onScreen } from "./screen.js";
 import { capital } from "./words.js";
 
 /** @import { Viser } from "../types/page.js" */
@@ -19,6 +19,8 @@ const SAID = 400;
 /** m around the robot's middle in which it is taken hold of; at least so many px. */
 const REACH = 0.4;
 const LEAST = 40;
+/** m: how far an arrow goes that points over the horizon. */
+const BEYOND = 10;
 
 /**
  * The force (N) of an arrow (m), level.
@@ -29,19 +31,6 @@ export function forceOf(x, y) {
   const long = Math.hypot(x, y);
   const share = long ? Math.min(STIFF * long, MOST) / long : 0;
   return [share * x, share * y, 0];
-}
-
-/**
- * Where a ray from an eye through a point meets the level plane of a height: x, y. One that does
- * not goes far.
- *
- * @param {number[]} eye @param {number[]} through @param {number} height
- */
-export function meets(eye, through, height) {
-  const way = through.map((c, i) => c - eye[i]);
-  const far = (height - eye[2]) / way[2];
-  const reach = Number.isFinite(far) && far > 0 ? far : 10 / Math.hypot(...way);
-  return [eye[0] + reach * way[0], eye[1] + reach * way[1]];
 }
 
 export class Pusher {
@@ -69,13 +58,6 @@ export class Pusher {
     return [caption.position.x + by.x, caption.position.y + by.y, tick.robot.base_pos[2] + by.z];
   }
 
-  /** A point (m) on the screen, px. @param {Viser} viser @param {number[]} point */
-  #onScreen(viser, point) {
-    const { x, y } = toThree(viser, point).project(viser.camera);
-    const { clientWidth, clientHeight } = viser.canvas;
-    return [((x + 1) / 2) * clientWidth, ((1 - y) / 2) * clientHeight];
-  }
-
   /**
    * Take hold where the pointer went down.
    *
@@ -85,8 +67,9 @@ export class Pusher {
     const viser = this.view.viser;
     const middle = viser && this.#middle(viser);
     if (!viser || !middle) return;
-    const [x, y] = this.#onScreen(viser, middle);
-    const [, above] = this.#onScreen(viser, [middle[0], middle[1], middle[2] + REACH]);
+    const pane = this.view.panes.of(viser, "robot");
+    const [x, y] = onScreen(viser, pane, middle);
+    const [, above] = onScreen(viser, pane, [middle[0], middle[1], middle[2] + REACH]);
     const reach = Math.max(LEAST, Math.abs(y - above));
     if (Math.hypot(event.clientX - x, event.clientY - y) > reach) {
       toast("Take hold of the simulated robot to push it");
@@ -128,21 +111,11 @@ export class Pusher {
   /** @param {Viser} viser @param {number} px @param {number} py */
   #aim(viser, px, py) {
     const middle = this.#middle(viser);
-    const root = viser.nodeRefFromName[""];
-    if (!middle || !root) return;
-    const { camera, canvas } = viser;
-    const ndc = {
-      x: (2 * px) / canvas.clientWidth - 1,
-      y: 1 - (2 * py) / canvas.clientHeight,
-      z: 0.5,
-    };
-    const [eye, through] = [
-      camera.position.clone(),
-      Object.assign(camera.position.clone(), ndc).unproject(camera),
-    ].map((point) => root.worldToLocal(point).toArray());
-    const at = meets(eye, through, middle[2]);
+    if (!middle) return;
+    const pane = this.view.panes.of(viser, "robot");
+    const [x, y] = onScreen(viser, pane, middle);
+    const at = onPlane(viser, pane, [px, py], middle[2], BEYOND);
     this.#force = forceOf(at[0] - middle[0], at[1] - middle[1]);
-    const [x, y] = this.#onScreen(viser, middle);
     const ends = { x1: x, y1: y, x2: px, y2: py };
     for (const [name, value] of Object.entries(ends)) this.#line.setAttribute(name, `${value}`);
     this.#label.setAttribute("x", `${px + 12}`);

@@ -1,12 +1,14 @@
 // The view's camera: which one it is, where figures stand for it, and how it follows the robot.
 
 import { laid, placeOf, stand, turnBy, wrapped } from "./cameras.js";
-import { $, calm, press } from "./dom.js";
+import { $, calm, press, setStyle } from "./dom.js";
 import { haunt } from "./ghosts.js";
 import { angles } from "./motion.js";
+import { halves } from "./panes.js";
 
 /** @import { CameraName, Figure } from "./cameras.js" */
 /** @import { Looks } from "./looks.js" */
+/** @import { Panes } from "./panes.js" */
 /** @import { Pose, Tick, Viser } from "../types/page.js" */
 
 const FIGURES = /** @type {Figure[]} */ (["human", "reference", "robot"]);
@@ -26,13 +28,14 @@ export class ViewCamera {
   #then = 0;
   /** The camera that is used. */
   #used = this.name;
-  /** @type {[number, boolean]} */
-  #view = [1, false];
+  /** @type {[[number, number], boolean]} */
+  #view = [[1, 1], false];
 
-  /** @param {() => Tick | null} newest @param {Looks} looks of the figures */
-  constructor(newest, looks) {
+  /** @param {() => Tick | null} newest @param {Looks} looks of the figures @param {Panes} panes */
+  constructor(newest, looks, panes) {
     this.newest = newest;
     this.looks = looks;
+    this.panes = panes;
     const kept = localStorage.getItem("camera");
     if (kept && document.querySelector(`[data-camera="${kept}"]`))
       this.name = /** @type {CameraName} */ (kept);
@@ -59,19 +62,22 @@ export class ViewCamera {
    * Stand there.
    *
    * @param {Viser} viser
-   * @param {number} aspect of the view
+   * @param {[number, number]} size of the view, px
    * @param {boolean} props whether there are any
    * @param {boolean} glide
    */
-  look(viser, aspect, props, glide) {
+  look(viser, size, props, glide) {
     const control = viser.cameraControl;
     if (!control) return;
     control.maxPolarAngle = LOWEST;
     control.minDistance = NEAR;
     viser.configuredMaxOrbitDistance = FAR;
-    this.#view = [aspect, props];
+    this.#view = [size, props];
     const name = (this.#used = this.#wanted);
-    const { eye, at, aside } = stand(name, aspect, props, covered());
+    const split = (this.panes.split = name === "split");
+    this.panes.covered = split ? covered() * size[0] : 0;
+    const [width, height] = split ? robotsOf(size, this.panes.covered) : size;
+    const { eye, at, aside } = stand(name, width / height, props, split ? 0 : covered());
     const [from, to] = [eye, at].map((point) => toThree(viser, point));
     const glides = glide && !calm() && name !== "chase";
     control.setLookAt(from.x, from.y, from.z, to.x, to.y, to.z, glides);
@@ -80,6 +86,8 @@ export class ViewCamera {
     viser.requestRender();
     press($(".cameras"), "camera", this.name);
     $(".stage").dataset.camera = name;
+    $(".stage").classList.toggle("upright", size[0] < size[1]);
+    setStyle($(".stage"), { "--half": `${halves(...size, this.panes.covered)[1].x}px` });
     localStorage.setItem("camera", this.name);
   }
 
@@ -147,6 +155,12 @@ export class ViewCamera {
 /** rad from one's heading to the other's. @param {Pose} from @param {Pose} to */
 const headingBetween = (from, to) =>
   wrapped(angles(to.base_quat).yaw - angles(from.base_quat).yaw);
+
+/** px of the robots' part of a split view. @param {[number, number]} size @param {number} left */
+function robotsOf([width, height], left) {
+  const [, robots] = halves(width, height, left);
+  return [robots.width, robots.height];
+}
 
 /** The share of the view's left that is covered by what is to be done; of narrow views, none. */
 function covered() {

@@ -6,6 +6,7 @@ import { Besides } from "./besides.js";
 import { place, spread } from "./cameras.js";
 import { $, $$, setStyle, text } from "./dom.js";
 import { Looks } from "./looks.js";
+import { Panes } from "./panes.js";
 import { REST, spare } from "./sparing.js";
 import { ViewCamera } from "./view-camera.js";
 
@@ -13,7 +14,7 @@ import { ViewCamera } from "./view-camera.js";
 /** @import { Tick, Viser, ViewWindow } from "../types/page.js" */
 
 /** What is at the view's edges. */
-const EDGES = ".stage-record, .cameras, .looks, #scene-over";
+const EDGES = ".stage-record, .cameras, .looks, #scene-over, #eye";
 const DRAGS = /** @type {const} */ (["dragenter", "dragover", "dragleave", "drop"]);
 
 export class View {
@@ -30,7 +31,9 @@ export class View {
   /** Whether the processor draws, and the captions need not follow any faster than that. */
   #spared = false;
   #looks = new Looks();
-  besides = new Besides(this.#looks);
+  panes = new Panes();
+  /** @type {Besides} */
+  besides;
 
   /**
    * @param {{ listen: (target: Window) => void, ready: () => void,
@@ -38,7 +41,9 @@ export class View {
    *   are drawn
    */
   constructor({ listen, ready, drag, newest }) {
-    this.#camera = new ViewCamera(newest, this.#looks);
+    const camera = (this.#camera = new ViewCamera(newest, this.#looks, this.panes));
+    const shows = (/** @type {string} */ figure) => camera.shows(figure);
+    this.besides = new Besides(this.#looks, this.panes, { newest, shows });
     this.#frame.addEventListener("load", () => {
       const inner = this.#window;
       listen(inner);
@@ -60,7 +65,7 @@ export class View {
       this.#sizes.clear();
       if (this.#connected) this.look(this.#camera.name, false);
     });
-    for (const node of [this.#frame, $("#scene-over")]) resized.observe(node);
+    for (const node of [this.#frame, $("#scene-over"), $("#eye")]) resized.observe(node);
     let shown = false;
     const each = () => {
       const viser = this.viser;
@@ -120,8 +125,8 @@ export class View {
     const viser = this.viser;
     if (!viser?.cameraControl) return;
     this.#camera.name = name;
-    const aspect = this.#frame.clientWidth / this.#frame.clientHeight;
-    this.#camera.look(viser, aspect, this.#props, glide);
+    const { clientWidth, clientHeight } = this.#frame;
+    this.#camera.look(viser, [clientWidth, clientHeight], this.#props, glide);
   }
 
   /**
@@ -134,6 +139,7 @@ export class View {
     const { camera, nodeRefFromName } = viser;
     if (!camera || !nodeRefFromName) return false;
     if (this.#connected) {
+      this.panes.draw(viser);
       this.#camera.follow(viser);
       this.besides.draw(viser);
     }
@@ -143,9 +149,11 @@ export class View {
       const anchor = nodeRefFromName[`/${node.dataset.figure}/caption`];
       if (!anchor) return [];
       found += 1;
-      const point = anchor.getWorldPosition(anchor.position.clone()).project(camera);
+      const pane = this.panes.of(viser, node.dataset.figure ?? "");
+      const point = anchor.getWorldPosition(anchor.position.clone()).project(pane.camera);
       const size = this.#size(node);
-      const at = this.#camera.shows(node.dataset.figure ?? "") ? place(point, view, size) : null;
+      const seen = this.#camera.shows(node.dataset.figure ?? "");
+      const at = seen ? place(point, pane.at, size) : null;
       if (!at) this.#put(node, "");
       return at ? [{ node, size, ...at }] : [];
     });

@@ -19,7 +19,7 @@ const COLUMNS = { human: [0, -0.86], reference: [0, 0], robot: [0, 0.82] };
 
 /** The box (left, bottom, right, top) on the screen that holds a figure, in tangents. */
 function seen(camera, figure) {
-  const { eye, at } = stand(camera, 1.75);
+  const { eye, at } = stand(camera, camera === "split" ? 0.875 : 1.75);
   const unit = (v) => v.map((c) => c / Math.hypot(...v));
   const cross = (a, b) => [
     a[1] * b[2] - a[2] * b[1],
@@ -46,8 +46,10 @@ function seen(camera, figure) {
 
 for (const camera of /** @type {const} */ (["side", "top", "split", "front"]))
   test(`no figure hides another: ${camera}`, () => {
-    const boxes = Object.keys(SIZES).map((figure) => seen(camera, figure));
-    const wide = Math.tan(0.25) * 1.75; // viser's angle of view is 0.5 rad, upright
+    const split = camera === "split"; // in which the person has a half of their own
+    const figures = Object.keys(SIZES).slice(split ? 1 : 0);
+    const boxes = figures.map((figure) => seen(camera, figure));
+    const wide = Math.tan(0.25) * (split ? 0.875 : 1.75); // of 0.5 rad, upright
     for (const [i, a] of boxes.entries()) {
       assert.ok(a[0] > -wide && a[2] < wide, `${i} is in sight: ${a}`);
       for (const b of boxes.slice(i + 1))
@@ -65,13 +67,14 @@ test("a chasing camera turns with the robot, smoothly, or cuts where no motion i
 });
 
 test("a caption stands at its figure, and inside the view", () => {
-  const [view, caption] = /** @type {[number, number][]} */ ([
-    [800, 600],
-    [100, 40],
-  ]);
+  const view = { x: 0, y: 0, width: 800, height: 600 };
+  const caption = /** @type {[number, number]} */ ([100, 40]);
   assert.deepEqual(place({ x: 0, y: 0 }, view, caption), { left: 400, top: 300 });
   assert.deepEqual(place({ x: -1, y: 1 }, view, caption), { left: 56, top: 46 });
   assert.deepEqual(place({ x: 1, y: -1 }, view, caption), { left: 744, top: 530 });
+  const half = { x: 400, y: 0, width: 400, height: 600 };
+  assert.deepEqual(place({ x: 0, y: 0 }, half, caption), { left: 600, top: 300 });
+  assert.deepEqual(place({ x: -1, y: 1 }, half, caption), { left: 456, top: 46 });
   assert.equal(place({ x: 1.2, y: 0 }, view, caption), null);
   assert.equal(place({ x: 0, y: -1.3 }, view, caption), null);
   assert.equal(place({ x: NaN, y: NaN }, view, caption), null);

@@ -69,7 +69,7 @@ export type Values<P, M> = Part<Part<Operation<P, M>, "parameters">, "path"> &
 export interface Viser {
   canvas: HTMLCanvasElement;
   configuredMaxOrbitDistance: number;
-  camera: { position: Vector };
+  camera: Camera3D;
   cameraControl?: {
     setLookAt(...eyeThenTargetThenGlide: [...number[], boolean]): void;
     setFocalOffset(x: number, y: number, z: number, glide: boolean): void;
@@ -80,8 +80,34 @@ export interface Viser {
     minDistance: number;
   };
   nodeRefFromName: Record<string, Node3D | undefined>;
-  scene: { traverse(visit: (thing: Thing3D) => void): void };
+  scene: {
+    traverse(visit: (thing: Thing3D) => void): void;
+    onBeforeRender?: RenderHook;
+    onAfterRender?: RenderHook;
+  };
   requestRender(): void;
+}
+
+type RenderHook = (renderer: Renderer, scene: unknown, camera: unknown) => void;
+
+export interface Renderer {
+  render(scene: unknown, camera: Camera3D): void;
+  setViewport(x: number, y: number, width: number, height: number): void;
+  setScissor(x: number, y: number, width: number, height: number): void;
+  setScissorTest(on: boolean): void;
+}
+
+export interface Camera3D {
+  aspect: number;
+  fov: number;
+  near: number;
+  position: Vector;
+  up: Vector;
+  quaternion: { copy(other: unknown): void };
+  clone(): Camera3D;
+  lookAt(at: Vector): void;
+  updateProjectionMatrix(): void;
+  setViewOffset(...fullThenPart: number[]): void;
 }
 
 export interface Vector {
@@ -89,6 +115,10 @@ export interface Vector {
   y: number;
   z: number;
   clone(): Vector;
+  copy(other: Vector): Vector;
+  add(other: Vector): Vector;
+  sub(other: Vector): Vector;
+  multiplyScalar(by: number): Vector;
   project(camera: unknown): Vector;
   unproject(camera: unknown): Vector;
   toArray(): number[];
