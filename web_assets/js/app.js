@@ -18,7 +18,6 @@ import { startPad } from "./pad.js";
 import { Palette } from "./palette.js";
 import { PushDoor } from "./push-door.js";
 import { SceneDoor } from "./scene-door.js";
-import { Shortcuts } from "./shortcuts.js";
 import { SourcePanel } from "./source.js";
 import { drawLink, drawStatus } from "./status.js";
 import { Studio } from "./studio.js";
@@ -85,7 +84,7 @@ $("#stop").addEventListener("click", actions.stop);
 $("#reset").addEventListener("click", actions.R);
 $("#arm").addEventListener("click", actions.Enter);
 
-const shortcuts = new Shortcuts();
+const shortcuts = () => attempt(async () => (await import("./shortcuts.js")).show());
 const source = new SourcePanel(studio);
 const controls = new Controls(studio);
 const plots = new PlotsDoor(studio);
@@ -138,7 +137,7 @@ const palette = new Palette(() => [
   { words: "Film the 3-D view", run: film.toggle },
   { words: "Plots", key: "J", run: plots.toggle },
   { words: "Dark or light", key: "T", run: otherTheme },
-  { words: "Keyboard shortcuts", key: "?", run: shortcuts.show },
+  { words: "Keyboard shortcuts", key: "?", run: shortcuts },
 ]);
 keyboard.also({
   ...collect.keys,
@@ -150,11 +149,11 @@ keyboard.also({
   H: () => $("#record").click(),
   J: plots.toggle,
   U: library.open,
-  "?": shortcuts.show,
+  "?": shortcuts,
   palette: palette.show,
 });
 $("#theme").addEventListener("click", otherTheme);
-$("#help").addEventListener("click", shortcuts.show);
+$("#help").addEventListener("click", shortcuts);
 for (const button of ["#control", "#watching-take"])
   $(button).addEventListener("click", () => attempt(takeControl));
 const light = matchMedia("(prefers-color-scheme: light)").matches;

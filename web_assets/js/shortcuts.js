@@ -25,13 +25,9 @@ const ROWS = [
   ...DRIVE.map(([key, what]) => [key, `keyboard driving: ${what}`]),
 ];
 
-export class Shortcuts {
-  #dialog = /** @type {HTMLDialogElement} */ ($("#shortcuts"));
-
-  constructor() {
+/** Not modal: the stop button must stay within reach. */
+export function show() {
+  if (!$("#keys").children.length)
     for (const [key, what] of ROWS) $("#keys").append(el("kbd", {}, key), el("span", {}, what));
-  }
-
-  /** Not modal: the stop button must stay within reach. */
-  show = () => this.#dialog.show();
+  /** @type {HTMLDialogElement} */ ($("#shortcuts")).show();
 }
