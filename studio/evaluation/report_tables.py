@@ -145,6 +145,19 @@ TABLES: dict[str, tuple[str, tuple[Column, ...]]] = {
             Column(key="speed_made_m_s", head="made m/s"),
         ),
     ),
+    "faults": (
+        "A line that fails",
+        (
+            Column(key="case", head="frames"),
+            Column(key="rate", head="share, or s late", places=2),
+            Column(key="episodes", head="people", places=0),
+            Column(key="seconds", head="minutes", scale=1.0 / 60.0, places=0),
+            Column(key="falls", head="falls", places=0),
+            Column(key="followed", head="followed", places=2),
+            Column(key="refused_share", head="refused", places=2),
+            Column(key="joint_rmse_deg", head="joints °", places=1),
+        ),
+    ),
     "response": (
         "How late a person is followed",
         (
