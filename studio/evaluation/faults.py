@@ -193,7 +193,7 @@ def drive_over(kind: str, rate: float, options: Options, seed: int) -> Driven:
 
 
 def run_faults(
-    options: Options, drive: Callable[[str, float, Options, int], Driven] = drive_over
+    options: Options, *, drive: Callable[[str, float, Options, int], Driven] = drive_over
 ) -> dict[str, Any]:
     """`{"rows": [...]}`: a row per kind and rate, all people together."""
     made_by, rows = commit(), []

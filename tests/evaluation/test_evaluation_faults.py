@@ -58,7 +58,7 @@ def test_a_row_is_all_people_of_a_kind_and_a_rate():
         asked.append((kind, rate, seed))
         return Driven(falls=seed, followed=0.5 * seed, joint_sq=0.01, sent=10, refused=seed)
 
-    rows = run_faults(Options(episodes=2, seconds=30.0, seed=1), driven)["rows"]
+    rows = run_faults(Options(episodes=2, seconds=30.0, seed=1), drive=driven)["rows"]
     assert len(rows) == sum(len(rates) for rates in RATES.values())
     assert asked[:2] == [("none", 0.0, 1), ("none", 0.0, 2)]
     for row in rows:
