@@ -15,12 +15,13 @@ from studio.live.state_parts import Controller, TaskName
 
 class Control(TypedDict):
     """Which page drives, and all of them. free: that page is gone, or none drives. away: it is
-    out of sight, behind another tab or minimised."""
+    out of sight, behind another tab or minimised. asking: pages that ask for control, in order."""
 
     holder: str | None
     pages: list[str]
     free: bool
     away: bool
+    asking: list[str]
 
 
 def _says(name: str, says: str, **more: Any) -> Any:

@@ -24,7 +24,7 @@ from studio.web.hub import Hub, OffThread, refused
 
 
 class ControlBody(Body):
-    """take, release or hand_over (to another page).
+    """take, ask, release, hand_over (to another page) or keep (from those who ask).
 
     No `Command`: which page drives is the gateway's to know, before any command reaches the loop.
     """

@@ -39,6 +39,7 @@ class PageControl:
         self._send, self._beat, self._silent = send, beat, silent
         self.pages: dict[str, Page] = {}
         self.holder: str | None = None
+        self.asking: list[str] = []
 
     def join(self) -> Page:
         """A page opened its socket; it takes control if nobody has it, or who had it is lost."""
@@ -52,6 +53,7 @@ class PageControl:
     def leave(self, name: str) -> None:
         """A socket closed. Control is not given up: the loop makes the robot stand by itself."""
         self.pages.pop(name, None)
+        self._answered(name)
 
     def beat(self, name: str, *, visible: bool, keys: frozenset[str], round_trip_ms: float) -> None:
         """A heartbeat (20 Hz) of a page; one out of sight goes on beating, and keeps control."""
@@ -66,18 +68,28 @@ class PageControl:
         return self.holder is None or self.holder not in self.pages or self._silent(self.holder)
 
     def act(self, action: str, page: str, to: str | None = None) -> None:
-        """take, release or hand_over (to another page). Raises StudioError saying what works."""
+        """take, ask for, release, hand_over (to another page) or keep, of those who ask, control.
+
+        Raises StudioError saying what works.
+        """
         if page not in self.pages:
             known = ", ".join(self.pages) or "none"
             raise StudioError(f"{page!r} is not an open page; open pages: {known}")
-        if action == "take":
+        if action == "take" or (action == "ask" and self.free):
             self._take(page)
-        elif action not in ("release", "hand_over"):
-            raise StudioError(f"unknown action {action!r}; known: hand_over, release, take")
+        elif action == "ask":
+            if page != self.holder and page not in self.asking:
+                self.asking.append(page)
+        elif action not in ("release", "hand_over", "keep"):
+            known = "ask, hand_over, keep, release, take"
+            raise StudioError(f"unknown action {action!r}; known: {known}")
         elif page != self.holder:
             raise StudioError(f"{page} does not hold control; {self.holder or 'nobody'} does")
+        elif action == "keep":
+            self.asking.clear()
         elif action == "release":
             self.holder = None
+            self.asking.clear()
             self._send(ReleaseControl(page=page))
         elif to is None or to not in self.pages:
             others = ", ".join(name for name in self.pages if name != page) or "none"
@@ -101,8 +113,15 @@ class PageControl:
             "pages": list(self.pages),
             "free": self.free,
             "away": held_by is not None and not held_by.visible,
+            "asking": list(self.asking),
         }
 
     def _take(self, name: str) -> None:
         self.holder = name
+        self._answered(name)
         self._send(TakeControl(page=name))
+
+    def _answered(self, name: str) -> None:
+        """Whoever has control, or is gone, asks for it no more."""
+        if name in self.asking:
+            self.asking.remove(name)

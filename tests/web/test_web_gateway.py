@@ -291,6 +291,52 @@ def test_the_first_page_drives_and_hands_over(studio_live, pages):
     assert taken.json()["control"]["holder"] == first
 
 
+def test_a_page_that_asks_is_handed_control_or_it_is_kept(studio_live, pages):
+    (a, first), (b, second) = pages
+    beat(a)
+    beat(b)
+
+    def control(page, action, to=None):
+        body = {"page": page, "action": action, "to": to}
+        answer = studio_live.client.post("/api/control", json=body)
+        assert answer.status_code == 200, answer.text
+        return answer.json()["control"]
+
+    asked = control(second, "ask")
+    assert (asked["holder"], asked["asking"]) == (first, [second])
+    assert control(second, "ask")["asking"] == [second]  # once is enough
+    assert control(first, "ask")["asking"] == [second]  # who has it asks nobody
+    kept = studio_live.client.post("/api/control", json={"page": second, "action": "keep"})
+    assert kept.status_code == 409  # not theirs to refuse
+    assert control(first, "keep")["asking"] == []
+    control(second, "ask")
+    handed = control(first, "hand_over", second)
+    assert (handed["holder"], handed["asking"]) == (second, [])
+    control(first, "ask")
+    assert control(first, "take")["asking"] == []
+    assert control(second, "ask")["asking"] == [second]
+    b.close()
+    assert wait_until(lambda: studio_live.state()["control"]["asking"] == [])
+
+
+def test_where_nobody_drives_who_asks_drives(studio_live, pages):
+    (a, first), (b, second) = pages
+    beat(a)
+    beat(b)
+    post = studio_live.client.post
+    assert post("/api/control", json={"page": first, "action": "release"}).status_code == 200
+    given = post("/api/control", json={"page": second, "action": "ask"}).json()["control"]
+    assert (given["holder"], given["asking"]) == (second, [])
+
+
+def wait_until(true) -> bool:
+    deadline = time.monotonic() + PATIENCE
+    while not true():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    return True
+
+
 def test_any_page_may_stop_and_once_that_is_answered_the_robot_is_stopped(studio_live, pages):
     (a, _), (b, second) = pages
     beat(a)

@@ -125,7 +125,7 @@ def test_calibrating_says_what_it_found_or_why_it_cannot(live, served, browsing)
     assert live.evaluate("() => toasts.textContent").count("nobody") == 0
     with browsing.expecting("status of 409"):
         click(live, "#calibrate")
-        why = "/Nobody has been seen.*: stand before the sensor/.test(toasts.textContent)"
+        why = "/(Nobody seen yet|Stale).*; stand before the sensor/.test(toasts.textContent)"
         until(live, f"() => {why}")
 
 
@@ -134,6 +134,18 @@ def test_a_page_that_watches_looks_it(live, served, browsing):
     with browsing.page(served, 900, 600) as second:
         until(second, "() => !document.querySelector('#watching').hidden")
         assert "Another page drives" in second.text_content("#watching")
+        click(second, "#watching-ask")
+        until(live, "() => !document.querySelector('#asked').hidden")
+        assert "Another page asks to drive" in live.inner_text("#asked")
+        click(live, "#asked-keep")
+        until(live, "() => document.querySelector('#asked').hidden")
+        until(second, "() => document.querySelector('#watching-ask').innerText === 'Ask'")
+        click(second, "#watching-ask")
+        until(live, "() => !document.querySelector('#asked').hidden")
+        click(live, "#asked-over")
+        until(second, "() => document.querySelector('#watching').hidden")
+        click(live, "#watching-take")
+        until(second, "() => !document.querySelector('#watching').hidden")
         click(second, "#watching-take")
         until(second, "() => document.querySelector('#watching').hidden")
         until(live, "() => !document.querySelector('#watching').hidden")

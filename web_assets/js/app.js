@@ -11,7 +11,7 @@ import { FilmButton } from "./film-button.js";
 import { Guide } from "./guide.js";
 import { drawHealth } from "./health.js";
 import { TickHistory } from "./history.js";
-import { drawControl, takeOrGive } from "./holding.js";
+import { drawControl, startHolding } from "./holding.js";
 import { Keyboard } from "./keys.js";
 import { ControlLine, ticks } from "./net.js";
 import { startPad } from "./pad.js";
@@ -154,8 +154,7 @@ keyboard.also({
 });
 $("#theme").addEventListener("click", otherTheme);
 $("#help").addEventListener("click", shortcuts);
-for (const button of ["#control", "#watching-take"])
-  $(button).addEventListener("click", () => attempt(takeControl));
+startHolding(studio, () => studio.state && drawState(studio.state));
 const light = matchMedia("(prefers-color-scheme: light)").matches;
 setTheme(localStorage.getItem("theme") ?? (light ? "light" : "dark"));
 
@@ -179,12 +178,6 @@ function setTheme(theme) {
 
 function otherTheme() {
   setTheme(document.documentElement.dataset.theme === "dark" ? "light" : "dark");
-}
-
-/** Take control, or give it up. */
-async function takeControl() {
-  await takeOrGive(studio);
-  if (studio.state) drawState(studio.state);
 }
 
 // What changes thirty times a second …

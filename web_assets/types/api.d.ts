@@ -1638,7 +1638,7 @@ export interface components {
         /**
          * Control
          * @description Which page drives, and all of them. free: that page is gone, or none drives. away: it is
-         *     out of sight, behind another tab or minimised.
+         *     out of sight, behind another tab or minimised. asking: pages that ask for control, in order.
          */
         Control: {
             /** Holder */
@@ -1649,10 +1649,12 @@ export interface components {
             free: boolean;
             /** Away */
             away: boolean;
+            /** Asking */
+            asking: string[];
         };
         /**
          * ControlBody
-         * @description take, release or hand_over (to another page).
+         * @description take, ask, release, hand_over (to another page) or keep (from those who ask).
          *
          *     No `Command`: which page drives is the gateway's to know, before any command reaches the loop.
          */
