@@ -21,10 +21,24 @@ SCENES: tuple[SceneName, ...] = get_args(SceneName)
 """What the robot is set into (`studio.scenes`); "empty" is what "free" was called first."""
 Travel = Literal["auto", "off"]
 ControllerName = Literal["stand_still", "pd_playback", "policy"]
+EngineName = Literal["mujoco", "pybullet"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class ServeConfig:
+class RobotOptions:
+    """Which robot is driven."""
+
+    robot: str = "sim"
+    """The robot: sim, or udp:HOST:PORT of an `a1-studio robot` (docs/robot-link.md)."""
+    robot_level: Literal["references", "targets"] = "references"
+    """What is sent to it: references, for policies on its side, or PD targets, over a link without
+    delay."""
+    robot_secret: Path | None = None
+    """File with the secret shared with it; needed beyond this machine."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ServeConfig(RobotOptions):
     """Open the studio in a browser: prints one URL; opening it is all there is to do."""
 
     source: str = "operator"
@@ -59,7 +73,7 @@ class ServeConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
-class DriveConfig:
+class DriveConfig(RobotOptions):
     """Run the whole flow without a browser, as fast as it goes, and report on it."""
 
     source: str
@@ -94,6 +108,22 @@ class DriveConfig:
     joint_map: Path | None = None
     """JSON that says which joint of a BVH is which, {"l_hip": "NAME", …}: remembered for others
     with the same joint names."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RobotConfig:
+    """Be a robot: a simulated A1 behind the robot's side of the link, until Ctrl C."""
+
+    engine: EngineName = "mujoco"
+    """Which physics; pybullet has an A1 of its own (pip install 'a1-studio[pybullet]')."""
+    host: str = "127.0.0.1"
+    """Address to listen on; beyond this machine only with --secret."""
+    port: int = 8090
+    """UDP port to listen on; 0 takes a free one."""
+    rate: int = 240
+    """Steps a second, 240 to 500; mujoco takes multiples of 30."""
+    secret: Path | None = None
+    """File with the secret shared with whoever drives, 16 bytes or more."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,6 +21,7 @@ from studio.files import FULL
 COMMANDS: dict[str, tuple[Callable[[Sequence[str]], Any], str]] = {
     "serve": (flow.serve, "open the studio in a browser"),
     "drive": (flow.drive, "run the whole flow without a browser and report on it"),
+    "robot": (flow.robot, "be a simulated robot that others drive by UDP"),
     "takes": (takes.takes, "list, show, trim, label, align, verify, export, import, delete takes"),
     "train": (training.train, "train a mapper or a policy"),
     "evaluate": (evaluation.evaluate, "make one of the tables or figures"),
@@ -86,7 +87,7 @@ def _overview() -> str:
             "",
             *lines,
             "",
-            "a1-studio COMMAND --help lists a command's options. All but serve also take",
+            "a1-studio COMMAND --help lists a command's options. All but serve and robot also take",
             "--json FILE (- for standard output): one object with the result.",
         ]
     )

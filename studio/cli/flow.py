@@ -1,4 +1,4 @@
-"""`serve`, `drive` and `bench`: the flow in a browser, without one, and what it costs."""
+"""`serve`, `drive`, `robot`, `bench`: the flow with a page or without, a robot, what it costs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import tyro
 
 from studio.cli.output import Answer
-from studio.options import BenchConfig, DriveConfig, ServeConfig
+from studio.options import BenchConfig, DriveConfig, RobotConfig, ServeConfig
 
 
 def _with_sources(options: type, *, served: bool = True) -> str:
@@ -31,6 +31,13 @@ def drive(argv: Sequence[str]) -> Answer:
     from studio.evaluation.drive import run_drive
 
     return run_drive(config)
+
+
+def robot(argv: Sequence[str]) -> None:
+    config = tyro.cli(RobotConfig, prog="a1-studio robot", args=argv)
+    from studio.link.process import run_robot
+
+    run_robot(config)
 
 
 def bench(argv: Sequence[str]) -> Answer:

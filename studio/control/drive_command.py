@@ -49,6 +49,7 @@ Reason = Literal[
     "locked",
     "paused",
     "hurried",
+    "robot",
 ]
 """Why the robot does not do what the person does, for programs; "": it does. Words are added at the
 end; none changes its meaning."""

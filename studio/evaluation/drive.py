@@ -8,8 +8,9 @@ from typing import IO, Any
 
 from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
-from studio.evaluation.behind import drive, met
+from studio.evaluation.behind import drive, met, stood_up
 from studio.evaluation.drive_report import DriveReport, trace_line
+from studio.link.udp import open_link
 from studio.mocap.joint_maps import read_joint_map
 from studio.options import DriveConfig
 from studio.retarget.settings import joint_speed
@@ -31,7 +32,8 @@ def run_drive(
 
     on_tick: called with every tick. source: used instead of opening that of
     config. A `_failed` in the report is the line to fail with: the source had frames, and all were
-    refused. Raises StudioError for a source, state, style, controller or scene that is not there.
+    refused. Raises StudioError for a source, state, style, controller or scene that is not there,
+    and for a robot that does not answer, does not stand up, or stops itself.
     """
     source = source or open_source(
         config.source,
@@ -55,7 +57,10 @@ def run_drive(
                 travel=config.travel,
                 joint_speed=joint_speed(config.max_joint_speed),
             ),
+            link := open_link(config.robot, config.robot_level, config.robot_secret),
         )
+        stack.callback(puppeteer.link.close)
+        stood_up(puppeteer)
         report = DriveReport()
         sinks: list[Callable[[Tick], None]] = [report.add]
         if on_tick is not None:
@@ -69,7 +74,8 @@ def run_drive(
             about |= {"style": config.style, "scene": config.scene}
             taken = recorder.start("drive", about=about)
             sinks.append(recorder.append)
-        for tick in drive(puppeteer, source, seconds, realtime=config.realtime):
+        paced = config.realtime or link is not None  # any other robot has a clock of its own
+        for tick in drive(puppeteer, source, seconds, realtime=paced):
             for sink in sinks:
                 sink(tick)
         expected = seconds if source.duration is None else min(seconds, source.duration)

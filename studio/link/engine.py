@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from studio.reference.stances import NEUTRAL
+from studio import geometry
 from studio.robot import a1
 from studio.robot.pose import RobotPose, RobotState
 from studio.sim.spec import ModelConfig
@@ -15,6 +15,15 @@ from studio.sim.world import World, WorldConfig
 Array = NDArray[np.float64]
 RATES = (240, 500)
 """1/s: the slowest and the fastest that an engine may step. A real A1's motors take 500."""
+CROUCH = np.tile([0.0, 1.2915, -2.583], 4)
+"""Legs folded: the trunk 13 cm high, 2 * 0.2 cos(1.2915) = 0.11 m over the soles."""
+LYING = RobotPose(
+    base_pos=np.zeros(3),
+    base_quat=geometry.IDENTITY_QUAT,
+    joint_pos=CROUCH,
+    foot_contact=np.ones(4),
+)
+"""As robots are switched on."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +63,7 @@ class MujocoEngine(Engine):
         self.dt = self.world.config.model.timestep
         self._gains: tuple[float, float] | None = None
         if world is None:
-            self.place(NEUTRAL["stand"])
+            self.place(LYING)
 
     def state(self) -> RobotState:
         """As the world last said."""

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studio.geometry.time_scaling import minimum_jerk
-from studio.link.engine import MotorCommand
+from studio.link.engine import CROUCH, MotorCommand
 from studio.link.guards import Why, unfit_to_go_on, unfit_to_rise
 from studio.link.link import Level
 from studio.link.robot_policy import RobotPolicy
@@ -40,11 +40,11 @@ SIT_AFTER: dict[Level, float] = {"targets": 0.5, "references": 10.0}
 """s without an order: sit down, then go limp. Who comes to a stand by himself may wait there."""
 TO_CROUCH, TO_STAND, TO_BELLY, BLEND = 1.0, 1.5, 1.5, 0.3
 """s: legs folded under it; up from there; down again; and from a held target to a new order's."""
+STILL_WITHIN = 2.0
+"""s that a robot which is asked to rise waits for its legs to be still."""
 NEAR = 0.35
 """rad between an order's joints and a stand's from which the robot begins to follow."""
 MAX_KP, MAX_KD, LIMP_KD = 100.0, 5.0, 4.0
-CROUCH = np.tile([0.0, 1.2915, -2.583], 4)
-"""Legs folded: the trunk 13 cm high, 2 * 0.2 cos(1.2915) = 0.11 m over the soles."""
 EPS = 1e-9
 
 
@@ -81,6 +81,7 @@ class RobotSide:
         self._heard: Heard | None = None
         self._heard_at = self._since = -np.inf
         self._rises = 0
+        self._asked_at: float | None = None
         self._from: Array = self.target
         self._reach = np.zeros(12)
         self._count = 0
@@ -91,6 +92,10 @@ class RobotSide:
             self.stop("asked to")
             self._rises = max(self._rises, order.rise)  # what was asked before it is void
         self._heard, self._heard_at = order, now
+
+    def asks_to_rise(self, order: Heard) -> bool:
+        """The order asks a limp robot to rise, for the first time."""
+        return self.phase == "limp" and order.rise > self._rises and not order.stop
 
     def new_driver(self) -> None:
         """Somebody else drives from here on, who has asked for nothing yet."""
@@ -131,11 +136,8 @@ class RobotSide:
         if heard is None:
             return
         if self.phase == "limp":
-            if heard.rise > self._rises and not heard.stop and silent < HOLD_AFTER:
-                self._rises = heard.rise
-                self.why = unfit_to_rise(robot)
-                if not self.why:
-                    self._enter("rising", now, robot.joint_pos)
+            if self.asks_to_rise(heard) and silent < HOLD_AFTER:
+                self._rise(heard, robot, now)
         elif self.phase == "sitting":
             if now - self._since > TO_BELLY:
                 self.stop("line silent")
@@ -159,6 +161,15 @@ class RobotSide:
                 self._enter("holding", now)
         elif silent < HOLD_AFTER:
             self._enter("following", now)
+
+    def _rise(self, heard: Heard, robot: RobotState, now: float) -> None:
+        self._asked_at = now if self._asked_at is None else self._asked_at
+        self.why = unfit_to_rise(robot)
+        if self.why == "moving" and now - self._asked_at < STILL_WITHIN:
+            return  # it may still be sinking from where it was stopped
+        self._rises, self._asked_at = heard.rise, None
+        if not self.why:
+            self._enter("rising", now, robot.joint_pos)
 
     def _may_follow(self, heard: Heard, silent: float) -> bool:
         """The order is fresh and near to standing: to follow it is no jump."""

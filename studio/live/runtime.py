@@ -8,10 +8,12 @@ from typing import Any
 from studio.control.drive_command import DriveCommand, PuppeteerConfig, Reason
 from studio.errors import StudioError
 from studio.human.calibration import Calibration, calibrate
+from studio.link.link import RobotLink
+from studio.live import robot_watch
 from studio.live.best_runs import Props, SceneRuns
 from studio.live.collect_stages import Step
 from studio.live.collecting import Collector
-from studio.live.mappers import SHIPPED, Mappers, OpenedMapper
+from studio.live.mappers import Mappers
 from studio.live.replay import Replay
 from studio.live.safety import Safety
 from studio.live.seek_guard import SeekGuard
@@ -45,12 +47,13 @@ class Runtime:
         config: RuntimeConfig,
         opened: OpenedSource | None = None,
         puppeteer: Puppeteer | None = None,
+        link: RobotLink | None = None,
     ) -> None:
         self.config = config
         opened = opened or open_for(config.source, config.puppeteer, config.sessions)
-        self.puppeteer = puppeteer or Puppeteer(config.puppeteer, opened.calibration)
+        self.puppeteer = puppeteer or Puppeteer(config.puppeteer, opened.calibration, link=link)
         self.reader = SourceReader(opened.source)
-        live = opened.source.starts_live
+        live = robot_watch.begins_live(self.puppeteer, opened.source)
         self.safety = Safety(armed=live)
         self.mode = "live" if live else "idle"
         self.idle_by_source = not live  # nobody asked for idle: arming is enough to go live
@@ -84,21 +87,6 @@ class Runtime:
         if mode in ("live", "collect"):
             self.puppeteer.rejoin()
 
-    def map_by(self, mapper: OpenedMapper) -> dict[str, Any]:
-        """Map the person by other experts, and walk in their style. StudioError for another style
-        while a take is recorded; a take of a plan is thrown away then."""
-        style = mapper.experts.style
-        if style != self.puppeteer.config.style:
-            if self.recorder.recording is not None and self.mode != "collect":
-                raise StudioError(
-                    f"take {self.recorder.recording} is being recorded: stop it first"
-                )
-            self.collector.abort("the style was changed: the take was thrown away")
-        self.mappers.swap(mapper)
-        self.puppeteer.set_experts(mapper.experts)
-        self.walk_in(style)
-        return {"name": mapper.name or SHIPPED}
-
     # One control period -------------------------------------------------------------------------
 
     def step(self, now: float) -> Tick:
@@ -106,6 +94,7 @@ class Runtime:
         if self.mode == "replay" and self.replay is not None:
             tick, self.props = self.replay.step(), None
             self._replayed += tick.human_fresh
+            robot_watch.rest_meanwhile(self.puppeteer, self.safety, now)
             paused: Reason = "paused" if tick.why else ""
             self.reason = self.safety.reason or paused
             return replace(tick, counters=self.counters(), why=self.safety.stop_line or tick.why)
@@ -128,6 +117,7 @@ class Runtime:
             raise
         self.props = self.runs.watch(self.puppeteer.stage, self.source.name)
         self.reason = self.puppeteer.reason
+        robot_watch.watch(self.puppeteer, self.safety)
         if tick.fallen and not self.safety.stopped:
             self.safety.fall(now, demo=self._demo)
             self.reason = self.safety.reason

@@ -17,9 +17,10 @@ import uvicorn
 from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.files import scratch_folder, sweep, sweep_writes
+from studio.link.udp import open_link
 from studio.live.loop import LiveLoop
 from studio.live.mappers import FOLDER as MAPPERS
-from studio.live.runtime import RuntimeConfig
+from studio.live.runtime import Runtime, RuntimeConfig
 from studio.options import ServeConfig
 from studio.takes.export import adding
 from studio.web.access import AccessConfig, page_url
@@ -84,7 +85,8 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
             ),
         )
         scratch = stack.enter_context(scratch_folder(SCRATCH))
-        loop = LiveLoop(runtime)
+        link = open_link(config.robot, config.robot_level, config.robot_secret)
+        loop = LiveLoop(runtime=Runtime(runtime, link=link))
         inner = GuardedViser()
         stack.callback(inner.stop)
         scene = StudioScene(

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from studio.link.engine import Engine, MotorCommand, MujocoEngine
+from studio.link.engine import CROUCH, Engine, MotorCommand, MujocoEngine
 from studio.link.robot_side import (
-    CROUCH,
     SIT_AFTER,
     TO_BELLY,
     TO_CROUCH,
@@ -31,6 +30,7 @@ def run(side: RobotSide, engine: Engine, seconds: float, order: Heard | None, no
 
 def test_short_steps_are_the_period_of_the_world_they_were_taken_from():
     engine, world = MujocoEngine(), World()
+    engine.place(NEUTRAL["stand"])
     world.reset(NEUTRAL["stand"])
     rng = np.random.default_rng(1)
     for _ in range(15):
@@ -67,6 +67,7 @@ def test_it_rises_from_its_belly_stands_and_lies_down_when_the_line_is_silent(ra
 
 def test_damping_lets_a_standing_robot_sink_and_gains_come_back():
     engine = MujocoEngine()
+    engine.place(NEUTRAL["stand"])
     for _ in range(240):
         engine.step(MotorCommand(target=STAND, kp=0.0, kd=4.0))
     assert engine.state().base_pos[2] < 0.2

@@ -7,16 +7,17 @@ import pytest
 
 from studio import geometry
 from studio.control.controllers import PdPlayback
+from studio.link.engine import CROUCH
 from studio.link.guards import JOINT_SLACK, Why
 from studio.link.link import Level
 from studio.link.robot_policy import RobotPolicy
 from studio.link.robot_side import (
-    CROUCH,
     HALT_AFTER,
     HOLD_AFTER,
     MAX_KD,
     MAX_KP,
     SIT_AFTER,
+    STILL_WITHIN,
     TO_BELLY,
     TO_CROUCH,
     TO_STAND,
@@ -108,7 +109,6 @@ def test_it_rises_over_a_crouch_without_a_jump():
     [
         (at(CROUCH, geometry.quat_from_rpy([1.0, 0.0, 0.0])), "tilt"),
         (at(a1.JOINT_UPPER + 2 * JOINT_SLACK), "joints"),
-        (at(CROUCH, joint_vel=np.full(12, 2.0)), "moving"),
         (at(CROUCH, base_ang_vel_b=np.full(3, np.nan)), "not finite"),
     ],
 )
@@ -121,6 +121,23 @@ def test_the_start_up_check_refuses_and_says_why(robot: RobotState, why: Why):
     bench.robot = at(CROUCH)
     assert bench.run(0.5) == "limp", "what was refused is not done later, unasked"
     assert bench.rise() == "following"
+
+
+def test_it_waits_two_seconds_for_legs_that_move_then_refuses():
+    bench = Bench()
+    sinking = at(CROUCH, joint_vel=np.full(12, 2.0))
+    bench.robot = sinking
+    bench.say(rise=1)
+    assert bench.run(STILL_WITHIN - 0.1) == "limp"
+    bench.robot = at(CROUCH)
+    assert bench.run(0.1) == "rising"
+    bench = Bench()
+    bench.robot = sinking
+    bench.say(rise=1)
+    bench.run(STILL_WITHIN + 0.1)
+    assert bench.side.why == "moving"
+    bench.robot = at(CROUCH)
+    assert bench.run(0.5) == "limp"
 
 
 def test_silence_of_100_ms_holds_and_an_order_goes_on():

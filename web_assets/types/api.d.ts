@@ -1940,7 +1940,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried";
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried" | "robot";
             /** T */
             t: number;
             /** State */
@@ -2720,7 +2720,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried";
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried" | "robot";
             /** T */
             t: number;
             /** State */
@@ -3199,7 +3199,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried";
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried" | "robot";
             /** T */
             t: number;
             /** State */

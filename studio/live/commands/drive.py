@@ -11,6 +11,7 @@ from studio.errors import StudioError
 from studio.live.command import Command, Made, Number, OneOf, with_why
 from studio.live.mappers import SHIPPED, OpenedMapper, open_mapper
 from studio.live.replay import Replay, open_replay
+from studio.live.robot_watch import begins_live
 from studio.live.source_reader import OpenedSource, open_follower, open_for
 from studio.options import STYLES, Travel
 from studio.reference.intent import STATES
@@ -92,7 +93,7 @@ class SetSource(Command):
         runtime.replaced.forget()
         runtime.reader.close()
         runtime.watch(prepared, now)
-        live = runtime.source.starts_live
+        live = begins_live(runtime.puppeteer, runtime.source)
         runtime.mode, runtime.idle_by_source = ("live" if live else "idle"), not live
         if not runtime.safety.stopped:
             runtime.safety.armed = live
@@ -186,7 +187,7 @@ class SetStyle(Command):
 
     def apply(self, runtime: "Runtime", now: float, prepared: OpenedMapper) -> Made:
         """Swap them in."""
-        return runtime.map_by(prepared)
+        return _map_by(runtime, prepared)
 
 
 class SetMapper(Command):
@@ -207,7 +208,7 @@ class SetMapper(Command):
 
     def apply(self, runtime: "Runtime", now: float, prepared: OpenedMapper) -> Made:
         """Swap them in."""
-        return runtime.map_by(prepared)
+        return _map_by(runtime, prepared)
 
 
 class MapperBack(Command):
@@ -220,4 +221,19 @@ class MapperBack(Command):
         """Swap them in. StudioError if none was swapped in yet."""
         if runtime.mappers.before is None:
             raise StudioError("there is no mapper to go back to: none was swapped in yet")
-        return runtime.map_by(runtime.mappers.before)
+        return _map_by(runtime, runtime.mappers.before)
+
+
+def _map_by(runtime: "Runtime", mapper: OpenedMapper) -> Made:
+    """Map the person by other experts, and walk in their style. StudioError for another style
+    while a take is recorded; a take of a plan is thrown away then."""
+    style = mapper.experts.style
+    if style != runtime.puppeteer.config.style:
+        recording = runtime.recorder.recording
+        if recording is not None and runtime.mode != "collect":
+            raise StudioError(f"take {recording} is being recorded: stop it first")
+        runtime.collector.abort("the style was changed: the take was thrown away")
+    runtime.mappers.swap(mapper)
+    runtime.puppeteer.set_experts(mapper.experts)
+    runtime.walk_in(style)
+    return {"name": mapper.name or SHIPPED}
