@@ -131,7 +131,7 @@ class Puppeteer:
         self.reason: Reason = ""
         self.retargeted: Retargeted | None = None
         self._index, self._waited, self._clipped = 0, 0.0, 0
-        self._placed = not self.link.simulated  # any other robot stands where it is
+        self._placed = not self.link.poses  # any other robot begins as it stands
         self.place("stand")
 
     def forget_person(self, calibration: Calibration | None = None) -> None:

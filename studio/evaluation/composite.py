@@ -112,7 +112,12 @@ def run_composite(options: Options = Options(), *, cache: Path | None = CACHE) -
 def attempt(job: Job, on_tick: Callable[[Tick], None] | None = None) -> Run:
     """One person tries. All that the puppeteer is given is what a sensor saw of them, to the
     micrometre that a tape keeps: whoever plays a recorded attempt again has the same run."""
-    person, puppeteer = person_of(job), puppeteer_of(job)
+    return act_out(job, puppeteer_of(job), on_tick)
+
+
+def act_out(job: Job, puppeteer: Puppeteer, on_tick: Callable[[Tick], None] | None = None) -> Run:
+    """As `attempt`, with this puppeteer, which is in the job's scene."""
+    person = person_of(job)
     eyes = Eyes(puppeteer.stage, np.random.default_rng([job.seed, 17]))
     operator = ScriptedOperator(PLAYS[job.scene])
 

@@ -48,13 +48,14 @@ class RobotLink(ABC):
     """One robot. The control loop's thread only.
 
     name: as `--robot` calls it. level: what crosses it. simulated: its robot lives in a world of
-    the studio's, in which it can be placed. target: (12,) rad that its motors were last given, as
-    far as is known.
+    the studio's. poses: it can be placed there in any pose. target: (12,) rad that its motors were
+    last given, as far as is known.
     """
 
     name: str
     level: Level = "targets"
     simulated: bool = False
+    poses: bool = False
     target: Array = a1.STAND_JOINT_POS
 
     @property

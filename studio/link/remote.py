@@ -117,7 +117,10 @@ class RemoteLink(RobotLink):
         return f"{self.name} is {report.phase}" + (f" ({report.why})" if report.why else "")
 
     def _hello(self) -> None:
-        self._send(wire.hello(self._head(wire.HELLO), self._secret))
+        self._send(self._greeting())
+
+    def _greeting(self) -> bytes:
+        return wire.hello(self._head(wire.HELLO), self._secret)
 
     def _head(self, kind: int, flags: int = 0) -> Head:
         self._sequence += 1

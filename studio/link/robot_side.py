@@ -101,6 +101,10 @@ class RobotSide:
         """Somebody else drives from here on, who has asked for nothing yet."""
         self._rises = 0
 
+    def set_down(self) -> None:
+        """Somebody has stood it up: a simulated robot, at the beginning of an episode."""
+        self.phase, self.why, self.target, self._heard = "standing", "", a1.STAND_JOINT_POS, None
+
     def stop(self, why: Why) -> None:
         """Limp until somebody asks it to rise."""
         if self.phase != "limp":

@@ -8,7 +8,7 @@ from studio.sim.world import World
 class SimLink(RobotLink):
     """Remembers nothing but its world. Gains are the world's own, which a study may draw."""
 
-    name, simulated = "sim", True
+    name, simulated, poses = "sim", True, True
 
     def __init__(self, world: World | None = None) -> None:
         """world: None where one is still to be entered."""

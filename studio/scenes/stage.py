@@ -113,9 +113,11 @@ class Stage:
         if self.link.simulated:
             self._pull.step(self.world, order.damping)
         state = self._robot = self.link.exchange(order)
+        if self.link.simulated:  # judged by the world, whatever has arrived of it
+            self._robot = self.world.state
         if self.scene.props:
             world = self._prop_world
-            self.seen = self._look(world, state)
+            self.seen = self._look(world, self._robot)
             if self.step_now is not None and self.failed is None:
                 self._play(world, self.step_now, self.seen)
         return state

@@ -1,0 +1,143 @@
+"""A link over a line that delays, jitters and loses, to a robot's side in this process: for tables.
+
+Everything but the line is as by UDP: the same datagrams, checks and watchdog, on simulated time.
+"""
+
+import heapq
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from studio import geometry
+from studio.control.controllers import Controller, PolicyController
+from studio.link.engine import Engine, MujocoEngine
+from studio.link.link import Level, Order
+from studio.link.remote import RemoteLink
+from studio.link.robot_policy import RobotPolicy
+from studio.link.robot_server import RobotServer
+from studio.link.robot_side import RobotSide
+from studio.reference.stances import NEUTRAL
+from studio.robot.a1 import CONTROL_DT
+from studio.robot.pose import RobotPose, RobotState
+from studio.sim.prop_world import PropWorld
+from studio.sim.world import World
+
+_STUDIO = ("127.0.0.1", 0)
+_STATES_EVERY = 4
+"""Steps between two states that are sent: 60 a second tell the 30 Hz of a table as much as 240."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """One way. delay, jitter: s; each datagram takes `delay` and up to `jitter` more, so that some
+    overtake others. loss: share of them that never arrive."""
+
+    delay: float = 0.0
+    jitter: float = 0.0
+    loss: float = 0.0
+
+
+class Channel:
+    """Datagrams on their way. The same seed, the same fate."""
+
+    def __init__(self, line: Line, rng: np.random.Generator) -> None:
+        self._line, self._rng = line, rng
+        self._heap: list[tuple[float, int, bytes]] = []
+        self._count = 0
+
+    def send(self, datagram: bytes, now: float) -> None:
+        """At `now`, s."""
+        line, rng = self._line, self._rng
+        if line.loss and rng.random() < line.loss:
+            return
+        late = line.delay + (line.jitter * rng.random() if line.jitter else 0.0)
+        self._count += 1
+        heapq.heappush(self._heap, (now + late, self._count, datagram))
+
+    def arrived(self, now: float) -> list[bytes]:
+        """Those that are there by `now`, in the order in which they came."""
+        out = []
+        while self._heap and self._heap[0][0] <= now + 1e-9:
+            out.append(heapq.heappop(self._heap)[2])
+        return out
+
+
+class SimulatedLink(RemoteLink):
+    """Its robot lives in a world of the studio's, and begins standing. One thread."""
+
+    simulated = True
+
+    def __init__(
+        self,
+        line: Line,
+        level: Level,
+        seed: int = 0,
+        *,
+        controller: Controller | None = None,
+        engine: Engine | None = None,
+    ) -> None:
+        """controller: on the robot's side (default: the shipped policies). engine: its body
+        (default: that of the world which is entered)."""
+        super().__init__(f"{level} over a simulated line", level)
+        self._line, self._seed = line, seed
+        self._controller, self._engine = controller, engine
+        self._time = 0.0
+
+    def enter(self, world: World) -> None:
+        """The robot lives in this world, where it has no engine of its own."""
+        self._world = world
+        engine = self._engine or MujocoEngine(world)
+        rng = np.random.default_rng([self._seed, 23])
+        self._up, self._down = Channel(self._line, rng), Channel(self._line, rng)
+        self.side = RobotSide(engine.dt, RobotPolicy(self._controller or PolicyController()))
+        self.server, self.engine = RobotServer(engine, self.side), engine
+        self._steps = round(CONTROL_DT / engine.dt)
+        self._meet()
+
+    @property
+    def world(self) -> World:
+        """Where the robot lives."""
+        return self._world
+
+    def exchange(self, order: Order) -> RobotState:
+        """One control period of the robot's side, and what has arrived from there by its end."""
+        super().exchange(order)
+        touched: set[tuple[str, str]] = set()
+        for k in range(self._steps):
+            for datagram in self._up.arrived(self._time):
+                self.server.hear(datagram, _STUDIO, self._time)
+            sent = self.server.step(self._time)
+            self._time += self.engine.dt
+            if sent is not None and k % _STATES_EVERY == _STATES_EVERY - 1:
+                self._down.send(sent[0], self._time)
+            if isinstance(self._world, PropWorld):
+                touched |= self._world.touched
+        if isinstance(self._world, PropWorld):
+            self._world.touched = frozenset(touched)
+        return self.sense()
+
+    def place(self, pose: RobotPose) -> RobotState:
+        """Standing where `pose` is and faces, its line empty."""
+        at = geometry.quat_from_yaw(pose.yaw)
+        self.engine.place(replace(NEUTRAL["stand"], base_pos=pose.base_pos, base_quat=at))
+        self.side.set_down()
+        self._up.arrived(np.inf)
+        self._down.arrived(np.inf)
+        self._meet()
+        return self.sense()
+
+    def _meet(self) -> None:
+        """Both know each other, as before a drive begins."""
+        self._time += 1.0
+        answer = self.server.hear(self._greeting(), _STUDIO, self._time)
+        assert answer is not None
+        self._see(answer)
+
+    def _send(self, datagram: bytes) -> None:
+        self._up.send(datagram, self._time)
+
+    def _receive(self) -> list[bytes]:
+        return self._down.arrived(self._time)
+
+    def _now(self) -> float:
+        return self._time
