@@ -9,9 +9,11 @@ import pytest
 
 from studio import geometry
 from studio.control.controllers import Controller, ControllerInput
+from studio.control.staleness import stale_command
 from studio.errors import StudioError
 from studio.evaluation import endurance as en
 from studio.evaluation import long_drive
+from studio.evaluation.behind import met
 from studio.evaluation.long_drive import NoisySensors
 from studio.rl.noise import NoiseConfig
 from studio.sim.world import World
@@ -229,3 +231,31 @@ def test_real_people_are_sent_the_same_way_for_a_seed():
         np.testing.assert_array_equal(one, two)
     assert any(one is None for one in first)
     assert [one is None for one in first] != [one is None for one in other]
+
+
+@pytest.mark.parametrize(
+    "people",
+    [
+        pytest.param(8, marks=pytest.mark.slow),
+        pytest.param(100, marks=[pytest.mark.slow, pytest.mark.long]),
+    ],
+)
+def test_brisk_walkers_who_vanish_for_good_leave_the_robot_standing(people):
+    fell, speeds = [], []
+    for seed in range(100, 100 + people):
+        person = sent_by("mocap", BRISK, seed)
+        puppeteer = met(person)
+        gone = np.random.default_rng(seed).uniform(5.0, 8.0)
+        for k in range(round((gone + 4.0) / DT)):
+            human = person.read(k * DT) if k * DT < gone else None
+            tick = puppeteer.step(human, stale_command)
+            if k * DT < gone:
+                speed = float(np.hypot(*tick.robot.base_lin_vel_w[:2]))
+            if tick.fallen:
+                fell.append(seed)
+                break
+        else:
+            assert tick.state == "stand"
+        speeds.append(speed)
+    assert np.median(speeds) > 0.6
+    assert len(fell) <= people // 50  # none here: another processor's rounding may differ
