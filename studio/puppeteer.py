@@ -28,7 +28,7 @@ from studio.retarget.settings import LIMITS
 from studio.retarget.store import Experts
 from studio.robot.a1 import CONTROL_DT
 from studio.robot.pose import ReferencePose, RobotState
-from studio.scenes.stage import Stage
+from studio.scenes.stage import Place, Stage
 from studio.sim.actuation import MotorTargets
 from studio.takes.tick import Tick
 
@@ -156,10 +156,10 @@ class Puppeteer:
         self.state_machine.reset(state, *at)
         self._restart()
 
-    def stand_up(self) -> None:
-        """After a fall or a stop, 1 s from a crouch: where it is, or where a scene begins anew."""
+    def stand_up(self, at: Place | None = None) -> None:
+        """After a fall or a stop, 1 s from a crouch: `at`, where it is, or where a scene begins."""
         self.link.rise()
-        self.state_machine.crouch(*self.stage.restart_at(self.robot))
+        self.state_machine.crouch(*(at or self.stage.restart_at(self.robot)))
         self._restart()
         self._placed = True
 

@@ -20,6 +20,8 @@ from studio.sim.pull import Pull
 from studio.sim.world import World
 
 Array = NDArray[np.float64]
+Place = tuple[Array, float]
+"""Where a robot stands: (2,) m in the world, and its heading, rad."""
 WORTH, SLOWEST, PENALTY = 100.0, 0.5, 20.0
 """Points of a step done at once; the share of them that one done in the last moment is worth; what
 each touch of what is to be avoided, and each thrown ball that hit, costs."""
@@ -92,8 +94,8 @@ class Stage:
         placed = (np.array([x, y]), yaw)
         return placed if self.link.simulated else self.restart_at(self.link.sense())
 
-    def restart_at(self, robot: RobotState) -> tuple[Array, float]:
-        """Where a robot that is set upright stands: (2,) m, heading rad. Among props, the start."""
+    def restart_at(self, robot: RobotState) -> Place:
+        """Where a robot that is set upright stands. Among props, the start."""
         return self.start if self.scene.props else (robot.base_pos[:2], robot.yaw)
 
     def reset(self, pose: RobotPose) -> RobotState:

@@ -38,6 +38,10 @@ def faced_away(points: Array, column: Array) -> Array:
     return points * (-1.0, -1.0, 1.0) + 2.0 * column * (1.0, 1.0, 0.0)
 
 
+JUMP = 4.0
+"""m: further, nothing is seen."""
+
+
 class Follow:
     """Smoothed ground position of a figure; (x, y) to be taken away from it."""
 
@@ -50,9 +54,10 @@ class Follow:
         self._xy: Array | None = None
 
     def push(self, xy: Array, dt: float) -> Array:
-        """(2,) m to subtract; a jump of over a metre (a reset) is followed at once."""
+        """(2,) m to subtract; a jump further than a page shows is followed at once, so that
+        a robot that is set down near by is seen there first."""
         before = self._xy
-        if before is None or np.linalg.norm(xy - before) > 1.0:
+        if before is None or np.linalg.norm(xy - before) > JUMP:
             before = np.array(xy, dtype=np.float64)
         after = before + (1.0 - np.exp(-dt / self.time_constant)) * (xy - before)
         self._xy = after

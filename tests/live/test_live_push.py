@@ -67,6 +67,12 @@ def test_it_is_refused_beyond_its_limits_and_while_motions_are_shown(loop):
     assert "collect" in refused.why
 
 
+@pytest.mark.parametrize("angle", np.linspace(0.0, 6.0, 25).tolist())
+def test_the_most_may_be_pushed_in_any_direction(angle):
+    push = c.Push(force=(MAX_FORCE * np.cos(angle), MAX_FORCE * np.sin(angle), 0.0))
+    Pull().ask(push.force, push.seconds)
+
+
 def test_a_run_that_was_helped_along_is_nobodys_best(loop):
     ask(loop, c.SetScene(scene="push"))
     stage = loop.runtime.puppeteer.stage

@@ -43,7 +43,7 @@ def test_a_drag_pushes_the_robot_that_way_and_letting_go_ends_it(page, served):
     eye = "document.querySelector('#view').contentWindow.__viserMutable.camera.position.toArray()"
     camera = page.evaluate(f"() => {eye}")
     page.keyboard.press("7")
-    drag(page, 90, 0)  # seen from above and before it, its left is to the right
+    drag(page, 45, 0)  # seen from above and before it, its left is to the right
     until(page, f"() => {FORCE} > 5")
     assert page.evaluate("() => a1studio.state.push[1]") > 0.0
     until(page, f"() => /^\\d+ N$/.test({ARROW}?.textContent)")

@@ -4,7 +4,7 @@ import { Alarm, drawStale } from "./alarm.js";
 import { captionsOf } from "./captions.js";
 import { Controls } from "./controls.js";
 import { $, $$, attempt, calm, leave, openDialog, text, toast } from "./dom.js";
-import { CollectDoor, LibraryDoor, PlotsDoor, ReviewDoor } from "./doors.js";
+import { CollectDoor, LibraryDoor, PaletteDoor, PlotsDoor, ReviewDoor } from "./doors.js";
 import { Drops } from "./drops.js";
 import { pageEntries } from "./entries.js";
 import { FilmButton } from "./film-button.js";
@@ -15,7 +15,7 @@ import { drawControl, startHolding } from "./holding.js";
 import { Keyboard } from "./keys.js";
 import { ControlLine, ticks } from "./net.js";
 import { startPad } from "./pad.js";
-import { Palette } from "./palette.js";
+import { PlaceDoor } from "./place-door.js";
 import { PushDoor } from "./push-door.js";
 import { SceneDoor } from "./scene-door.js";
 import { SourcePanel } from "./source.js";
@@ -111,10 +111,12 @@ const guide = new Guide({
 });
 $("#guide-again").addEventListener("click", guide.begin);
 const push = new PushDoor(studio, () => view);
+const place = new PlaceDoor(studio, () => view);
 /** @type {View} */
 const view = new View({
   listen: (target) => {
     keyboard.listen(target);
+    place.listen(target);
     push.listen(target);
   },
   ready: () => {
@@ -126,10 +128,11 @@ const view = new View({
 });
 /** @type {FilmButton} */
 const film = new FilmButton(studio, view);
-const palette = new Palette(() => [
+const palette = new PaletteDoor(() => [
   ...pageEntries(),
   ...transport.entries,
   ...scenes.entries,
+  ...place.entries,
   { words: "Emergency stop", key: "Esc", run: actions.stop },
   { words: "Reset: stand up", key: "R", run: actions.R },
   { words: "Arm: follow again", key: "Enter", run: actions.Enter },
@@ -144,13 +147,14 @@ keyboard.also({
   ...oneOf(transport.keys, review.keys),
   ...scenes.keys,
   ...push.keys,
+  ...place.keys,
   ...view.keys,
   T: otherTheme,
   H: () => $("#record").click(),
   J: plots.toggle,
   U: library.open,
   "?": shortcuts,
-  palette: palette.show,
+  palette: palette.open,
 });
 $("#theme").addEventListener("click", otherTheme);
 $("#help").addEventListener("click", shortcuts);

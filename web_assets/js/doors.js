@@ -7,6 +7,7 @@ import { Signals } from "./signals.js";
 /** @import { CollectPanels } from "./collect.js" */
 /** @import { Found } from "./files.js" */
 /** @import { Hooks, Library } from "./library.js" */
+/** @import { Entry, Palette } from "./palette.js" */
 /** @import { PlotDock } from "./plots.js" */
 /** @import { Review } from "./review.js" */
 /** @import { Studio } from "./studio.js" */
@@ -204,6 +205,24 @@ export class PlotsDoor {
   draw() {
     this.#plots?.draw();
   }
+}
+
+/** The palette, from when it is first opened on. */
+export class PaletteDoor {
+  /** @type {Palette | null} */
+  #palette = null;
+
+  /** @param {() => Entry[]} entries what can be done just now */
+  constructor(entries) {
+    this.entries = entries;
+  }
+
+  open = () =>
+    attempt(async () => {
+      const { Palette } = await import("./palette.js");
+      this.#palette ??= new Palette(this.entries);
+      this.#palette.show();
+    });
 }
 
 /** A button that opens the library. */

@@ -14,6 +14,7 @@ const BUTTONS = /** @type {const} */ ([
   ["#besides button", "Show besides: "],
   ["#record", "", ["H"]],
   ["#push", "Tool: ", ["7"]],
+  ["#place", "Tool: ", []],
   ["#keys-drive", ""],
   ["#sample", ""],
   ["#vmc", ""],

@@ -103,7 +103,7 @@ export class Keyboard {
       this.actions.palette?.();
     } else if (typing(focus) || event.ctrlKey || event.metaKey || event.altKey) {
       return;
-    } else if (event.key in NAMES && slides(focus)) {
+    } else if ((event.key in NAMES || event.key === "Home") && slides(focus)) {
       return;
     } else if (event.key === " " && (!onControl(focus) || focus?.id === "arm")) {
       event.preventDefault();

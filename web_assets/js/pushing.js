@@ -1,6 +1,7 @@
 // A push: from the simulated robot to the pointer an arrow, and a force that way while it is held.
 
-import { $, text, toast } from "./dom.js";
+import { Arrow } from "./arrow.js";
+import { toast } from "./dom.js";
 import { onPlane, onScreen } from "./screen.js";
 import { capital } from "./words.js";
 
@@ -36,17 +37,12 @@ export function forceOf(x, y) {
 export class Pusher {
   /** @type {[number, number, number]} */
   #force = [0, 0, 0];
-  #arrow = document.createElementNS("http://www.w3.org/2000/svg", "svg");
-  #line = document.createElementNS("http://www.w3.org/2000/svg", "line");
-  #label = document.createElementNS("http://www.w3.org/2000/svg", "text");
+  #arrow = new Arrow("push-arrow");
 
   /** @param {Studio} studio @param {View} view */
   constructor(studio, view) {
     this.studio = studio;
     this.view = view;
-    this.#arrow.classList.add("push-arrow");
-    this.#arrow.setAttribute("aria-hidden", "true");
-    this.#arrow.append(this.#line, this.#label);
   }
 
   /** Where the robot is drawn, m, z up. @param {Viser} viser */
@@ -75,7 +71,6 @@ export class Pusher {
       toast("Take hold of the simulated robot to push it");
       return;
     }
-    $(".stage").append(this.#arrow);
     const move = (/** @type {PointerEvent} */ { clientX, clientY }) =>
       this.#aim(viser, clientX, clientY);
     const end = () => {
@@ -116,10 +111,10 @@ export class Pusher {
     const [x, y] = onScreen(viser, pane, middle);
     const at = onPlane(viser, pane, [px, py], middle[2], BEYOND);
     this.#force = forceOf(at[0] - middle[0], at[1] - middle[1]);
-    const ends = { x1: x, y1: y, x2: px, y2: py };
-    for (const [name, value] of Object.entries(ends)) this.#line.setAttribute(name, `${value}`);
-    this.#label.setAttribute("x", `${px + 12}`);
-    this.#label.setAttribute("y", `${py - 8}`);
-    text(this.#label, `${Math.hypot(...this.#force).toFixed(0)} N`);
+    const newtons = Math.hypot(...this.#force);
+    // As long as the force; from there on the pointer is only followed.
+    const tip = middle.map((c, i) => c + this.#force[i] / STIFF);
+    const word = newtons < MOST - 0.5 ? `${newtons.toFixed(0)} N` : `${MOST} N, the most`;
+    this.#arrow.draw([x, y], onScreen(viser, pane, tip), word, { on: [px, py] });
   }
 }

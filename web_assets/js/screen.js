@@ -11,6 +11,7 @@ import { toThree } from "./view-camera.js";
  * A point (m, z up) on the screen, px.
  *
  * @param {Viser} viser @param {Pane} pane @param {number[]} point
+ * @returns {[number, number]}
  */
 export function onScreen(viser, { camera, at }, point) {
   const { x, y } = toThree(viser, point).project(camera);

@@ -10,6 +10,7 @@ const ROWS = [
   ["Enter", "arm: follow again"],
   ["1–6", "camera: front, side, behind, above, chase (with the robot), split (person | robots)"],
   ["7", "push tool: drag the simulated robot in the view (Shift and drag without it)"],
+  ["Home", "reset the robot's pose, where its world begins, while it is stopped or idle"],
   ["8 9", "a scene: again from its beginning, the next one"],
   ["T", "dark or light"],
   ["H", "record, and end the take"],

@@ -17,7 +17,7 @@ from studio.live.commands.drive import (
     SetTravel,
 )
 from studio.live.commands.safety import Arm, Disarm, ReleaseControl, Reset, Stop, TakeControl
-from studio.live.commands.scenes import Push, SetPerson, SetScene
+from studio.live.commands.scenes import PlaceRobot, Push, SetPerson, SetScene
 from studio.live.commands.takes import Seek, ShowTake, StartTake, StopTake
 from studio.live.commands.transport import Transport
 
@@ -35,6 +35,7 @@ __all__ = [
     "Disarm",
     "Made",
     "MapperBack",
+    "PlaceRobot",
     "Push",
     "ReleaseControl",
     "Reset",

@@ -1,8 +1,9 @@
-"""What stands around the robot, who plays, and a hand that pushes the robot."""
+"""What stands around the robot, who plays, and a hand that sets the robot down or pushes it."""
 
 import math
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
+import numpy as np
 from pydantic import AfterValidator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
@@ -12,6 +13,9 @@ from studio.live.command import Command, Made, Number, OneOf, with_why
 from studio.options import SCENES
 from studio.scenes.stage import Stage
 from studio.sim.pull import MAX_FORCE, MAX_SECONDS
+
+MAX_FAR = 50.0
+"""m from the middle of the world."""
 
 if TYPE_CHECKING:
     from studio.live.runtime import Runtime
@@ -53,6 +57,46 @@ class SetPerson(Command):
         return {}
 
 
+class PlaceRobot(Command):
+    """Set the simulated robot down at x, y (m in the world, at most 50 from its middle), heading
+    yaw (rad; null: as it does). It stands up there from a crouch, as after a reset: only while it
+    is stopped, and stays so until armed, or in mode idle."""
+
+    path: ClassVar[str] = "place"
+    releases: ClassVar[bool] = True
+    x: Number
+    y: Number
+    yaw: Number | None = Field(default=None, ge=-math.pi, le=math.pi)
+
+    @model_validator(mode="after")
+    def _within_reach(self) -> "PlaceRobot":
+        if math.hypot(self.x, self.y) > MAX_FAR:
+            why = f"a robot is set down at most {MAX_FAR:g} m from the middle of the world"
+            raise PydanticCustomError("misfit", "{why}", {"why": why})
+        return self
+
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
+        """Set it down. StudioError where it follows somebody, or is no simulated one, or has a
+        start of its own; while a take is recorded, which it would tear."""
+        puppeteer, recording = runtime.puppeteer, runtime.recorder.recording
+        if runtime.mode in ("replay", "collect") or not (
+            runtime.safety.stopped or runtime.mode == "idle"
+        ):
+            raise StudioError(
+                "stop the robot, or choose mode idle, before it is set down elsewhere"
+            )
+        if not puppeteer.link.simulated:
+            raise StudioError(f"the robot at {puppeteer.link.name} is no simulated one: carry it")
+        if puppeteer.stage.scene.props:
+            raise StudioError("a scene has a start of its own: choose the scene free first")
+        if recording is not None:
+            raise StudioError(f"take {recording} is being recorded: stop it first")
+        yaw = puppeteer.robot.yaw if self.yaw is None else self.yaw
+        puppeteer.stand_up((np.array([self.x, self.y]), yaw))
+        runtime.safety.reset()
+        return {}
+
+
 class Push(Command):
     """A force on the simulated robot's trunk: [x, y, z] N in the world, at most 60 N long, for so
     many seconds, in place of the one before; [0, 0, 0] lets go. A stop lets go, too. It is in no
@@ -64,7 +108,7 @@ class Push(Command):
 
     @model_validator(mode="after")
     def _within_reason(self) -> "Push":
-        if math.hypot(*self.force) > MAX_FORCE:
+        if math.hypot(*self.force) > MAX_FORCE + 1e-9:  # as much as any direction's is rounded
             why = f"a push has at most {MAX_FORCE:g} N"
             raise PydanticCustomError("misfit", "{why}", {"why": why})
         return self
