@@ -13,6 +13,8 @@ export class Besides {
   #trails = null;
   /** @type {Eye | null} */
   #eye = null;
+  /** @type {(viser: Viser, looks: Looks) => void} */
+  #haunt = () => {};
   /** @type {Set<string>} */
   #asked = new Set();
 
@@ -41,6 +43,11 @@ export class Besides {
 
   /** Every frame. @param {Viser} viser */
   draw(viser) {
+    if (this.looks.haunted)
+      this.#load("ghosts", async () => {
+        this.#haunt = (await import("./ghosts.js")).hauntAll;
+      });
+    this.#haunt(viser, this.looks);
     if (this.looks.on("trails")) {
       this.#load("trails", async () => {
         const { Trails } = await import("./trails.js");

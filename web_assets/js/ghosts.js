@@ -1,9 +1,16 @@
 // Figures that are seen through.
 
+/** @import { Looks } from "./looks.js" */
 /** @import { Thing3D, Viser } from "../types/page.js" */
 
 /** How much of a ghost is seen. */
 const GHOST = 0.3;
+
+/** Each figure as its look says. @param {Viser} viser @param {Looks} looks */
+export function hauntAll(viser, looks) {
+  for (const figure of ["human", "reference", "robot"])
+    haunt(viser, figure, looks.of(figure) === "ghost");
+}
 
 /**
  * Make a figure a ghost, or as it was: its own meshes, not those in its world, as props.

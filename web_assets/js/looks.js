@@ -69,6 +69,11 @@ export class Looks {
     return needed && look === "hidden" ? "shown" : look;
   }
 
+  /** Whether there is a ghost. */
+  get haunted() {
+    return [...this.#figures.values()].includes("ghost");
+  }
+
   /** @param {Besides} what */
   on(what) {
     return this.#besides.has(what);

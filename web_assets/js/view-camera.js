@@ -2,7 +2,6 @@
 
 import { laid, placeOf, stand, turnBy, wrapped } from "./cameras.js";
 import { $, calm, press, setStyle } from "./dom.js";
-import { haunt } from "./ghosts.js";
 import { angles } from "./motion.js";
 import { halves } from "./panes.js";
 
@@ -97,10 +96,7 @@ export class ViewCamera {
     const dt = Math.min(0.5, (now - this.#then) / 1000);
     this.#then = now;
     if (this.#wanted !== this.#used) this.look(viser, ...this.#view, false);
-    for (const figure of FIGURES) {
-      this.#stand(viser, figure);
-      haunt(viser, figure, this.looks.of(figure) === "ghost");
-    }
+    for (const figure of FIGURES) this.#stand(viser, figure);
     this.#chase(viser, dt);
     this.#overFloor(viser);
   }
