@@ -122,7 +122,7 @@ def drive_over(case: Case, seconds: float, seed: int) -> Run:
     line = Line(delay=1e-3 * case.delay_ms, jitter=1e-3 * case.jitter_ms, loss=case.loss)
     link = SimulatedLink(line, case.level, seed)
     if case.task == TOUR:
-        return _tour(link, seconds, seed)
+        return toured(link, OperatorSource(seed=seed), seconds, seed)
     job = SceneJob(scene=case.task, controller="policy", style="march", seed=seed)
     puppeteer = Puppeteer(
         PuppeteerConfig(scene=case.task, seed=seed), calibration_of(job), link=link
@@ -132,8 +132,8 @@ def drive_over(case: Case, seconds: float, seed: int) -> Run:
     return seen.run(made.seconds, fell=made.failed == "the robot fell", done=not made.failed)
 
 
-def _tour(link: SimulatedLink, seconds: float, seed: int) -> Run:
-    source = OperatorSource(seed=seed)
+def toured(link: SimulatedLink, source: OperatorSource, seconds: float, seed: int) -> Run:
+    """What came of `source` driving the link's robot for so long, or until it lies."""
     puppeteer = Puppeteer(
         PuppeteerConfig(seed=seed), calibrate(source.calibration_poses()), link=link
     )

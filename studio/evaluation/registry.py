@@ -27,6 +27,7 @@ TABLES = {
     "endurance": "minutes of driving: mean time between falls",
     "faults": "a line that drops, delays, swaps, doubles or spoils human frames",
     "link": "what a robot link bears: delay, jitter and loss, for targets and references",
+    "sim2sim": "exported policies in a second engine (with a1-studio[pybullet])",
     "styles": "three ways of meaning walk, in physics",
     "travel": "who crosses the room: speeds and turns, of what the person did",
     "composite": "who completes the scenes, step by step",

@@ -52,6 +52,9 @@ class Engine(ABC):
     def place(self, pose: RobotPose) -> RobotState:
         """Somebody sets it down at rest in `pose`: for simulated ones only."""
 
+    def close(self) -> None:  # noqa: B027 - most hold nothing
+        """Let go of what it holds."""
+
 
 class MujocoEngine(Engine):
     """The A1 that the policies were trained on, or that of a scene's world."""

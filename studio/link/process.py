@@ -11,6 +11,7 @@ from studio.control.controllers import PolicyController
 from studio.errors import StudioError
 from studio.link import wire
 from studio.link.engine import RATES, Engine, MujocoEngine
+from studio.link.pybullet_engine import PybulletEngine
 from studio.link.robot_policy import RobotPolicy
 from studio.link.robot_server import RobotServer
 from studio.link.robot_side import RobotSide
@@ -60,7 +61,7 @@ def open_engine(name: str, rate: int) -> Engine:
         if rate % 30:
             raise StudioError(f"mujoco takes multiples of 30 steps a second, not {rate}: 240, 480")
         return MujocoEngine(rate=rate)
-    raise StudioError("engine 'pybullet' is not built yet; known: mujoco")
+    return PybulletEngine(rate)
 
 
 def _run(server: RobotServer, line: socket.socket, ends: list[int]) -> None:

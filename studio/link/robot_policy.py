@@ -16,8 +16,10 @@ Array = NDArray[np.float64]
 class RobotPolicy:
     """Called once a control period (1/30 s), on the robot's clock. One thread."""
 
-    def __init__(self, controller: Controller) -> None:
+    def __init__(self, controller: Controller, *, filters: bool = True) -> None:
+        """filters: the controller's actions are filtered and limited; False for one that does."""
         self._controller, self._motors, self._stand_by = controller, MotorTargets(), StandBy()
+        self._filters = filters
 
     @property
     def stands(self) -> bool:
@@ -51,4 +53,5 @@ class RobotPolicy:
         now = ControllerInput(
             reference=reference, robot=robot, state=state, in_transition=in_transition
         )
-        return self._motors.step(self._controller.act(now))
+        action = self._controller.act(now)
+        return self._motors.step(action) if self._filters else action

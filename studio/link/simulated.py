@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from studio import geometry
-from studio.control.controllers import Controller, PolicyController
+from studio.control.controllers import PolicyController
 from studio.link.engine import Engine, MujocoEngine
 from studio.link.link import Level, Order
 from studio.link.remote import RemoteLink
@@ -65,39 +65,45 @@ class Channel:
 class SimulatedLink(RemoteLink):
     """Its robot lives in a world of the studio's, and begins standing. One thread."""
 
-    simulated = True
-
     def __init__(
         self,
         line: Line,
         level: Level,
         seed: int = 0,
         *,
-        controller: Controller | None = None,
+        policy: RobotPolicy | None = None,
         engine: Engine | None = None,
     ) -> None:
-        """controller: on the robot's side (default: the shipped policies). engine: its body
-        (default: that of the world which is entered)."""
+        """policy: on the robot's side (default: the shipped ones). engine: its body (default: that
+        of the world which is entered)."""
         super().__init__(f"{level} over a simulated line", level)
         self._line, self._seed = line, seed
-        self._controller, self._engine = controller, engine
+        self._policy = policy or RobotPolicy(PolicyController())
+        self._world: World | None = None
         self._time = 0.0
+        self.simulated = engine is None
+        if engine is not None:
+            engine.place(NEUTRAL["stand"])
+            self._begin(engine)
+            self.side.set_down()
 
     def enter(self, world: World) -> None:
-        """The robot lives in this world, where it has no engine of its own."""
+        """The robot lives in this world."""
         self._world = world
-        engine = self._engine or MujocoEngine(world)
+        self._begin(MujocoEngine(world))
+
+    def _begin(self, engine: Engine) -> None:
         rng = np.random.default_rng([self._seed, 23])
         self._up, self._down = Channel(self._line, rng), Channel(self._line, rng)
-        self.side = RobotSide(engine.dt, RobotPolicy(self._controller or PolicyController()))
+        self.side = RobotSide(engine.dt, self._policy)
         self.server, self.engine = RobotServer(engine, self.side), engine
         self._steps = round(CONTROL_DT / engine.dt)
         self._meet()
 
     @property
     def world(self) -> World:
-        """Where the robot lives."""
-        return self._world
+        """Where the robot lives. StudioError for one with an engine of its own."""
+        return super().world if self._world is None else self._world
 
     def exchange(self, order: Order) -> RobotState:
         """One control period of the robot's side, and what has arrived from there by its end."""
@@ -117,7 +123,9 @@ class SimulatedLink(RemoteLink):
         return self.sense()
 
     def place(self, pose: RobotPose) -> RobotState:
-        """Standing where `pose` is and faces, its line empty."""
+        """Standing where `pose` is and faces, its line empty. An engine of its own stays."""
+        if not self.simulated:
+            return self.sense()
         at = geometry.quat_from_yaw(pose.yaw)
         self.engine.place(replace(NEUTRAL["stand"], base_pos=pose.base_pos, base_quat=at))
         self.side.set_down()

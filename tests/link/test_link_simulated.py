@@ -7,6 +7,7 @@ from studio.control.controllers import PdPlayback
 from studio.control.drive_command import PuppeteerConfig
 from studio.human.calibration import calibrate
 from studio.link.link import Level
+from studio.link.robot_policy import RobotPolicy
 from studio.link.simulated import Channel, Line, SimulatedLink
 from studio.puppeteer import Puppeteer
 from studio.robot.a1 import CONTROL_DT
@@ -106,7 +107,7 @@ def test_a_line_that_is_cut_in_mid_walk_leaves_a_robot_that_stands():
 
 
 def test_a_scene_is_judged_by_the_world_however_late_its_news_are():
-    link = SimulatedLink(Line(delay=0.3), "references", controller=PdPlayback())
+    link = SimulatedLink(Line(delay=0.3), "references", policy=RobotPolicy(PdPlayback()))
     stage = Stage("push", link=link)
     puppeteer = Puppeteer(PuppeteerConfig(scene="push"), link=SimulatedLink(Line(), "references"))
     assert stage.seen is None
