@@ -124,3 +124,33 @@ def test_the_split_view_has_a_picture_of_the_person_and_one_of_the_robots(page):
     until(page, f"() => {apart}")
     page.keyboard.press("1")
     until(page, f"() => {CAMERAS}.then((cameras) => cameras === 1)")
+
+
+COVERED = f"""(() => {{
+  const box = (node) => node.getBoundingClientRect();
+  const captions = [...document.querySelectorAll('.caption')];
+  const edges = [...document.querySelectorAll('.stage-record, .cameras, .looks')].map(box);
+  const over = (a, b) =>
+    a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
+  const frame = document.querySelector('#view');
+  const head = {NODE}('/human/caption').position.clone();
+  head.z -= 0.12;
+  const {{ x, y }} = {NODE}('/human').localToWorld(head).project({INSIDE}.camera);
+  const at = box(frame);
+  const px = [at.left + (x + 1) / 2 * at.width, at.top + (1 - y) / 2 * at.height];
+  const face = {{ left: px[0] - 4, right: px[0] + 4, top: px[1] - 4, bottom: px[1] + 4 }};
+  return captions.some((node, i) => node.style.visibility !== 'visible' ||
+    [...edges, face, ...captions.slice(i + 1).map(box)].some((other) => over(box(node), other)));
+}})()"""
+"""Whether a caption lies over another, over buttons, or over the person's face."""
+
+
+def test_captions_cover_neither_faces_nor_buttons_nor_one_another_in_low_views(page):
+    for width, height in ((1280, 720), (1024, 768), (390, 844)):
+        page.set_viewport_size({"width": width, "height": height})
+        for key in "123":
+            page.keyboard.press(key)
+            page.wait_for_timeout(300)
+            until(page, f"() => !{COVERED}", seconds=60.0)
+    page.set_viewport_size({"width": 1300, "height": 800})
+    page.keyboard.press("1")

@@ -6,7 +6,6 @@ import { Controls } from "./controls.js";
 import { $, $$, attempt, calm, leave, openDialog, text, toast } from "./dom.js";
 import { CollectDoor, LibraryDoor, PaletteDoor, PlotsDoor, ReviewDoor } from "./doors.js";
 import { Drops } from "./drops.js";
-import { pageEntries } from "./entries.js";
 import { FilmButton } from "./film-button.js";
 import { Guide } from "./guide.js";
 import { drawHealth } from "./health.js";
@@ -129,7 +128,6 @@ const view = new View({
 /** @type {FilmButton} */
 const film = new FilmButton(studio, view);
 const palette = new PaletteDoor(() => [
-  ...pageEntries(),
   ...transport.entries,
   ...scenes.entries,
   ...place.entries,

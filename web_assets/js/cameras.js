@@ -42,6 +42,11 @@ const APART = 1.35;
 /** Half of viser's angle of view, upright, as a tangent. */
 const HALF = Math.tan(0.25);
 
+/** px: lower views look this much (m) higher, so that captions fit between head and buttons. */
+const LOW = 640;
+const LIFT = 0.21;
+const LOWEST = 480;
+
 /**
  * Eye and target (m) of a camera in a view of that aspect, and how far (m) it is moved to the left
  * so that all is seen beside what covers a share of the view's left.
@@ -50,15 +55,18 @@ const HALF = Math.tan(0.25);
  * @param {number} aspect
  * @param {boolean} [props] whether the figures stand beside props
  * @param {number} [covered] from 0 to 1
+ * @param {number} [height] px
  */
-export function stand(name, aspect, props = false, covered = 0) {
+export function stand(name, aspect, props = false, covered = 0, height = LOW) {
   const { from, at, places } = CAMERAS[name];
   const room = aspect * (1 - covered);
   const wide = name === "split" ? HALF_WIDE : WIDE;
   const narrow = name === "chase" ? 1 : Math.max(1, wide / room);
   const back = narrow * (props && !places ? APART : 1);
-  const eye = at.map((c, i) => c + back * from[i]);
-  return { eye, at, aside: covered * back * Math.hypot(...from) * HALF * aspect };
+  const short = Math.min(1, Math.max(0, (LOW - height) / (LOW - LOWEST)));
+  const to = [at[0], at[1], at[2] + back * LIFT * short];
+  const eye = to.map((c, i) => c + back * from[i]);
+  return { eye, at: to, aside: covered * back * Math.hypot(...from) * HALF * aspect };
 }
 
 /**
@@ -118,6 +126,27 @@ export function place({ x, y }, view, [width, height]) {
   return {
     left: view.x + Math.min(view.width - half, Math.max(half, ((x + 1) / 2) * view.width)),
     top: view.y + Math.min(view.height - FOOT, Math.max(height + 6, ((1 - y) / 2) * view.height)),
+  };
+}
+
+/**
+ * What a figure takes up on the screen, from its caption's point down to the floor below; null
+ * from above, where that says nothing.
+ *
+ * @param {{ x: number, y: number }} top in the view's coordinates @param {{ y: number }} floor
+ * @param {Rect} view px @param {boolean} upright
+ * @returns {Box | null}
+ */
+export function body(top, floor, view, upright) {
+  const [x, high, low] = [top.x + 1, 1 - top.y, 1 - floor.y].map((c) => c / 2);
+  const tall = (low - high) * view.height;
+  if (!(tall > 30)) return null;
+  const [middle, half] = [view.x + x * view.width, (upright ? 0.2 : 0.6) * tall];
+  return {
+    left: middle - half,
+    right: middle + half,
+    top: view.y + high * view.height + 1,
+    bottom: view.y + low * view.height + 0.05 * tall, // toes
   };
 }
 

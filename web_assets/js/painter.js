@@ -12,7 +12,7 @@
 /** How far the person's camera is from them, of how far the robots' is from these. */
 const NEARER = 0.9;
 /** m: the height at which it looks at them. */
-const PERSON = 0.6;
+const PERSON = 0.67;
 
 export class Painter {
   /** The person's camera in a split view, once it was used. @type {Camera3D | null} */

@@ -1,6 +1,7 @@
 // Everything the page can do, found by a few letters of what it is called.
 
 import { $, $input, attempt, el, text } from "./dom.js";
+import { pageEntries } from "./entries.js";
 
 /** @typedef {{ words: string, key?: string, run: () => unknown }} Entry */
 
@@ -31,7 +32,7 @@ export class Palette {
   #found = [];
   #at = 0;
 
-  /** @param {() => Entry[]} entries what can be done just now */
+  /** @param {() => Entry[]} entries what can be done just now, besides what the page lists */
   constructor(entries) {
     this.entries = entries;
     this.#typed.addEventListener("input", () => this.#find());
@@ -56,7 +57,8 @@ export class Palette {
   };
 
   #find() {
-    this.#found = matching(this.entries(), this.#typed.value).slice(0, ROWS);
+    const all = [...pageEntries(), ...this.entries()];
+    this.#found = matching(all, this.#typed.value).slice(0, ROWS);
     const rows = this.#found.map((entry, i) =>
       el(
         "li",

@@ -76,7 +76,7 @@ export class ViewCamera {
     const split = (this.panes.split = name === "split");
     this.panes.covered = split ? covered() * size[0] : 0;
     const [width, height] = split ? robotsOf(size, this.panes.covered) : size;
-    const { eye, at, aside } = stand(name, width / height, props, split ? 0 : covered());
+    const { eye, at, aside } = stand(name, width / height, props, split ? 0 : covered(), size[1]);
     const [from, to] = [eye, at].map((point) => toThree(viser, point));
     const glides = glide && !calm() && name !== "chase";
     control.setLookAt(from.x, from.y, from.z, to.x, to.y, to.z, glides);

@@ -3,7 +3,7 @@
 // still works, without captions and cameras.
 
 import { Besides } from "./besides.js";
-import { place, spread } from "./cameras.js";
+import { body, place, spread } from "./cameras.js";
 import { $, $$, setStyle, text } from "./dom.js";
 import { Looks } from "./looks.js";
 import { Panes } from "./panes.js";
@@ -145,19 +145,26 @@ export class View {
     }
     const view = this.#size(this.#frame);
     let found = 0;
+    /** @type {Box[]} */
+    const bodies = [];
     const shown = this.#captions.flatMap((node) => {
-      const anchor = nodeRefFromName[`/${node.dataset.figure}/caption`];
-      if (!anchor) return [];
+      const figure = node.dataset.figure ?? "";
+      const anchor = nodeRefFromName[`/${figure}/caption`];
+      const root = nodeRefFromName[`/${figure}`];
+      if (!anchor || !root) return [];
       found += 1;
-      const pane = this.panes.of(viser, node.dataset.figure ?? "");
+      const pane = this.panes.of(viser, figure);
       const point = anchor.getWorldPosition(anchor.position.clone()).project(pane.camera);
       const size = this.#size(node);
-      const seen = this.#camera.shows(node.dataset.figure ?? "");
-      const at = seen ? place(point, pane.at, size) : null;
+      const at = this.#camera.shows(figure) ? place(point, pane.at, size) : null;
       if (!at) this.#put(node, "");
-      return at ? [{ node, size, ...at }] : [];
+      if (!at) return [];
+      const below = root.localToWorld(Object.assign(anchor.position.clone(), { z: 0 }));
+      const box = body(point, below.project(pane.camera), pane.at, figure === "human");
+      if (box) bodies.push(box);
+      return [{ node, size, ...at }];
     });
-    spread(shown, this.#kept, view[1]).forEach(({ left, top }, i) => {
+    spread(shown, [...this.#kept, ...bodies], view[1]).forEach(({ left, top }, i) => {
       const at = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px) translate(-50%, -100%)`;
       this.#put(shown[i].node, at);
     });

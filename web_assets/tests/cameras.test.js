@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { place, placeOf, spread, stand, turnBy, wrapped } from "../js/cameras.js";
+import { body, place, placeOf, spread, stand, turnBy, wrapped } from "../js/cameras.js";
 
 const close = (point, expected) =>
   point.forEach((c, i) => assert.ok(Math.abs(c - expected[i]) < 1e-12, `${point} ${expected}`));
@@ -97,4 +97,27 @@ test("no caption lies over another, or over what must stay free", () => {
       for (const b of all.slice(i + 1))
         assert.ok(a[2] <= b[0] || b[2] <= a[0] || a[3] <= b[1] || b[3] <= a[1], `${a} ${b}`);
   }
+});
+
+test("low views look higher, along the same direction, high ones as ever", () => {
+  const [high, low, lower] = [900, 480, 200].map((px) => stand("front", 1.75, false, 0, px));
+  assert.deepEqual(stand("front", 1.75), high);
+  assert.ok(low.at[2] > high.at[2] + 0.1);
+  assert.deepEqual(lower, low);
+  close(
+    low.eye.map((c, i) => c - low.at[i]),
+    high.eye.map((c, i) => c - high.at[i]),
+  );
+});
+
+test("a caption goes under the feet where there is no room over the head", () => {
+  const view = { x: 100, y: 0, width: 800, height: 400 };
+  const box = body({ x: 0, y: 0.9 }, { y: -0.5 }, view, true);
+  assert.ok(box && box.left < 500 && box.right > 500 && box.top > 20 && box.bottom >= 300);
+  const kept = [{ left: 0, top: 0, right: 900, bottom: 50 }, box];
+  const size = /** @type {[number, number]} */ ([100, 40]);
+  const [at] = spread([{ left: 500, top: 20, size }], kept, 400);
+  assert.ok(at.top - 40 >= box.bottom && at.top < 400);
+  assert.equal(body({ x: 0, y: 0.1 }, { y: 0.05 }, view, true), null); // from above
+  assert.equal(body({ x: 0, y: NaN }, { y: NaN }, view, true), null);
 });
