@@ -16,6 +16,9 @@ Why = Literal[
 
 LEANS = math.sin(math.radians(60.0))
 """Sine of the lean to a side, or nose down, from which the robot has fallen. Nose up it sits."""
+OVERTURNED = -math.sin(math.radians(25.0))
+"""Cosine of the lean to any side from which it lies: nose up past the vertical by so much. Sitting,
+it is at 70 degrees and a person leans it further."""
 UPRIGHT = math.cos(math.radians(45.0))
 """A robot rises from no steeper."""
 JOINT_SLACK = 0.1
@@ -53,4 +56,4 @@ def unfit_to_go_on(robot: RobotState) -> Why:
     if not finite(robot):
         return "not finite"
     x, y, z = geometry.up_in_body(robot.base_quat).tolist()
-    return "tilt" if x < -LEANS or abs(y) > LEANS or z < -0.1 else ""
+    return "tilt" if x < -LEANS or abs(y) > LEANS or z < OVERTURNED else ""

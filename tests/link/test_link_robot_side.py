@@ -310,3 +310,12 @@ def test_references_are_not_followed_by_a_robot_without_policies():
     bench = Bench()
     bench.say(level="references")
     assert bench.rise() == "standing"
+
+
+@pytest.mark.parametrize(("pitch_deg", "limp"), [(-70, False), (-105, False), (-120, True)])
+def test_nose_up_it_may_sit_past_the_vertical_but_not_lie_on_its_back(pitch_deg, limp):
+    bench = Bench()
+    bench.rise()
+    quat = geometry.quat_from_rpy([0.0, np.radians(pitch_deg), 0.0])
+    bench.robot = replace(bench.robot, base_quat=quat)
+    assert (bench.run(DT) == "limp") == limp
