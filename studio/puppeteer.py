@@ -159,14 +159,14 @@ class Puppeteer:
     def stand_up(self, at: Place | None = None) -> None:
         """After a fall or a stop, 1 s from a crouch: `at`, where it is, or where a scene begins."""
         self.link.rise()
-        self.state_machine.crouch(*(at or self.stage.restart_at(self.robot)))
-        self._restart()
-        self._placed = True
+        if self.link.poses:  # any other robot rises by itself
+            self.state_machine.crouch(*(at or self.stage.restart_at(self.robot)))
+            self._restart()
+        self._placed, self.fallen = True, False
 
     def _restart(self) -> None:
-        reference = self.state_machine.reference
-        self.robot: RobotState = self.stage.reset(reference)
-        self.motors.reset(reference.joint_pos)
+        self.robot: RobotState = self.stage.reset(self.state_machine.reference)
+        self.motors.reset(self.state_machine.reference.joint_pos)
         self.controller.reset(self._controller_input())
         self.fallen = False
 

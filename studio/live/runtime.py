@@ -141,8 +141,9 @@ class Runtime:
 
     @property
     def _demo(self) -> bool:
-        """Nobody drives."""
-        return self.mode == "live" and self.source.tours
+        """Nobody drives, and nobody can be hurt."""
+        drives_nobody = self.mode == "live" and self.source.tours
+        return drives_nobody and self.puppeteer.link.simulated
 
     def _stand_up_if_demo(self, now: float) -> None:
         if self.safety.rises(now, demo=self._demo):

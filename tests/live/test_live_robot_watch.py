@@ -8,6 +8,7 @@ import pytest
 from fake_clock import FakeClock
 
 from studio.control.drive_command import DriveCommand
+from studio.errors import StudioError
 from studio.link.link import Order, RobotLink
 from studio.live import commands as c
 from studio.live.loop import LiveLoop
@@ -128,3 +129,32 @@ def test_its_line_is_not_silent_while_a_take_is_shown(loop: LiveLoop):
     assert state["mode"] == "replay"
     assert len(link_of(loop).orders) == before + 30
     assert not link_of(loop).orders[-1].damping
+
+
+def test_a_fallen_robot_waits_for_somebody_where_the_simulated_one_would_stand_up(loop: LiveLoop):
+    drive(loop)
+    run(loop, 1.0)
+    link = link_of(loop)
+    link.robot = replace(link.robot, trunk_contact=True)
+    run(loop, 0.1)
+    assert loop.state_dict()["reason"] == "fallen"
+    link.limp, link.robot = "asked to", replace(link.robot, trunk_contact=False)
+    state = run(loop, 5.0)
+    assert state["stopped"]
+    assert link.limp == "asked to"
+    assert link.orders[-1].damping
+
+
+def test_a_reset_does_not_make_a_standing_robot_crouch(loop: LiveLoop):
+    drive(loop)
+    run(loop, 1.0)
+    apply(loop, c.Reset())
+    asked = link_of(loop).orders[-1].asked
+    assert asked is not None
+    assert asked.reference.base_pos[2] > 0.2
+
+
+def test_scenes_are_for_the_simulated_robot(loop: LiveLoop):
+    result = c.SetScene(scene="push")
+    with pytest.raises(StudioError, match="serve without --robot"):
+        result.prepare(loop.runtime)

@@ -28,10 +28,10 @@ class SetScene(Command):
     scene: Annotated[str, OneOf("scene", SCENES)]
 
     def prepare(self, runtime: "Runtime") -> Stage:
-        """Build its world. StudioError for one that is not for this robot."""
-        link = runtime.puppeteer.link
-        seed = runtime.config.puppeteer.seed
-        return Stage(self.scene, seed, None if link.simulated else link)
+        """Build its world. StudioError for a robot that is not in it."""
+        if not runtime.puppeteer.link.simulated:
+            raise StudioError("scenes are for the simulated robot: serve without --robot")
+        return Stage(self.scene, runtime.config.puppeteer.seed)
 
     def apply(self, runtime: "Runtime", now: float, prepared: Stage) -> Made:
         """The robot stands at its start. StudioError while it is down, or motions are collected."""
