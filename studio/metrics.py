@@ -6,8 +6,6 @@ frame. Every function takes arrays only, so that tables, sidecars, training and 
 where a shape says (T, ...), further axes are robots beside each other.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -171,11 +169,6 @@ def rms_jerk(joint_pos: ArrayLike, dt: float) -> float:
     return float(np.sqrt(np.mean(jerk**2)))
 
 
-def percentiles(values: ArrayLike) -> dict[str, float]:
-    """The p50, p95 and p99 of values (N,), N over 0, in their unit."""
-    return dict(zip(("p50", "p95", "p99"), np.percentile(_array(values), [50, 95, 99]).tolist()))
-
-
 def lag_periods(joint_pos: ArrayLike, reference: ArrayLike, most: int) -> int:
     """By how many periods, `most` at most, joints (T, J) trail those asked for: least squares."""
     ours, asked = np.asarray(joint_pos), np.asarray(reference)
@@ -220,28 +213,6 @@ def tracked_time_ratio(
 def _alive(fallen: ArrayLike) -> NDArray[np.bool_]:
     """(T, ...) before the first fall."""
     return ~np.logical_or.accumulate(np.asarray(fallen, dtype=bool), axis=0)
-
-
-def bootstrap_ci(
-    values: ArrayLike,
-    statistic: Callable[[Array], float] = lambda x: float(np.mean(x)),
-    *,
-    resamples: int = 1000,
-    level: float = 0.95,
-    seed: int = 0,
-) -> tuple[float, float]:
-    """Percentile bootstrap interval of a statistic of independent episodes' values (N,).
-
-    Percentiles (1 +- level) / 2 of the statistic over `resamples` draws with replacement (Efron
-    1979). NaN for no values.
-    """
-    values = _array(values)
-    if not len(values):
-        return float("nan"), float("nan")
-    rng = np.random.default_rng(seed)
-    draws = [statistic(values[rng.integers(0, len(values), len(values))]) for _ in range(resamples)]
-    low, high = np.quantile(draws, [0.5 - 0.5 * level, 0.5 + 0.5 * level])
-    return float(low), float(high)
 
 
 def mean_velocity(pos: Array, yaw: Array, dt: float) -> Array:

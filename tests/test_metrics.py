@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from studio import geometry, metrics
+from studio import geometry, metrics, statistics
 
 LEVEL = np.tile([1.0, 0.0, 0.0, 0.0], (4, 1))
 
@@ -165,13 +165,13 @@ def test_robots_beside_each_other_have_the_figures_of_each_alone():
 
 def test_bootstrap_interval_is_about_two_standard_errors_each_way():
     values = np.random.default_rng(1).normal(5.0, 2.0, 400)
-    low, high = metrics.bootstrap_ci(values)
+    low, high = statistics.bootstrap_ci(values)
     standard_error = np.std(values) / 20.0
     assert low == pytest.approx(np.mean(values) - 1.96 * standard_error, abs=0.05)
     assert high == pytest.approx(np.mean(values) + 1.96 * standard_error, abs=0.05)
-    assert metrics.bootstrap_ci(values) == (low, high)  # seeded
-    assert metrics.bootstrap_ci([3.0]) == (3.0, 3.0)
-    assert np.isnan(metrics.bootstrap_ci([])).all()
+    assert statistics.bootstrap_ci(values) == (low, high)  # seeded
+    assert statistics.bootstrap_ci([3.0]) == (3.0, 3.0)
+    assert np.isnan(statistics.bootstrap_ci([])).all()
 
 
 def test_a_lag_is_counted_in_whole_periods():

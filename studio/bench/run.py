@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from studio import metrics
+from studio import statistics
 from studio.errors import StudioError
 from studio.evaluation.behind import drive, met
 from studio.options import BenchConfig
@@ -92,8 +92,8 @@ def control_period(seconds: float) -> tuple[dict[str, dict[str, float]], dict[st
 
 
 def percentiles(values: np.ndarray) -> dict[str, float]:
-    """As `metrics.percentiles`, and the max."""
-    return {**metrics.percentiles(values), "max": float(np.max(values))}
+    """As `statistics.percentiles`, and the max."""
+    return {**statistics.percentiles(values), "max": float(np.max(values))}
 
 
 def _read(path: Path) -> dict[str, Any]:

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import geometry, metrics
+from studio import geometry, metrics, statistics
 from studio.reference.intent import STATES
 from studio.reference.stances import NEUTRAL_FEET, tilt_of
 from studio.retarget.selector import UNKNOWN
@@ -98,7 +98,7 @@ def _physics(ticks: list[Tick]) -> dict[str, Any]:
         "net_distance_m": metrics.net_distance_m(base),
         "heading_change_deg": metrics.heading_change_deg(quat),
         "mean_speed_m_s": metrics.mean_speed_m_s(base, CONTROL_DT),
-        "inference_ms": {**metrics.percentiles(inference), "max": float(inference.max())},
+        "inference_ms": {**statistics.percentiles(inference), "max": float(inference.max())},
     }
 
 

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import metrics
+from studio import statistics
 from studio.control.drive_command import PuppeteerConfig
 from studio.control.staleness import stale_command
 from studio.evaluation.clips import clips_below
@@ -213,5 +213,5 @@ def _median(name: str, values: list[float]) -> dict[str, Any]:
     if not values:
         return {name: None, f"{name}_ci": None}
     ms = 1000.0 * np.array(values)
-    ends = metrics.bootstrap_ci(ms, lambda x: float(np.median(x)))
+    ends = statistics.bootstrap_ci(ms, lambda x: float(np.median(x)))
     return {name: float(np.median(ms)), f"{name}_ci": list(ends)}

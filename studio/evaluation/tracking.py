@@ -20,12 +20,13 @@ from studio.errors import unknown_name
 from studio.evaluation.contenders import CONTENDERS, Contender, contender
 from studio.evaluation.options import PolicyOptions, refuse_none
 from studio.files import fingerprint
-from studio.metrics import bootstrap_ci, rms_deg
+from studio.metrics import rms_deg
 from studio.reference.intent import STATES, StateName
 from studio.reference.library import task_names
 from studio.rl import rollouts
 from studio.rl.bank import MotionBank
 from studio.rl.bank_store import library_bank, save_arrays
+from studio.statistics import bootstrap_ci
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)

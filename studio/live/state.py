@@ -30,9 +30,9 @@ from studio.live.state_parts import (
     Style,
 )
 from studio.live.tick_message import Mode, Pose, TickMessage
-from studio.metrics import percentiles
 from studio.reference.intent import STATES
 from studio.scenes.stage import Progress
+from studio.statistics import percentiles
 from studio.takes.as_json import part
 from studio.takes.tick import Tick
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from studio import metrics
+from studio.statistics import percentiles
 
 OVER_S = 2.0
 """s looked back over."""
@@ -69,4 +69,4 @@ def _forget(kept: deque[tuple[float, float]], now: float) -> None:
 
 
 def _rounded(ms: "np.ndarray | list[float]") -> dict[str, float]:
-    return {name: round(value, 2) for name, value in metrics.percentiles(ms).items()}
+    return {name: round(value, 2) for name, value in percentiles(ms).items()}

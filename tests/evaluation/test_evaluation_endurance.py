@@ -193,6 +193,7 @@ def seen_by(kind: str, turned: float, frames: int = 300) -> tuple[np.ndarray, np
     sensor, errors, sure = SensorBefore(kind, 4), [], []
     for k in range(frames):
         pose = clean.read(k * DT)
+        assert pose is not None
         there = replace(pose, joint_pos_w=geometry.quat_rotate(facing, pose.joint_pos_w))
         seen = sensor.see(there)
         moved = seen.joint_pos_w - there.joint_pos_w
@@ -211,6 +212,7 @@ def test_a_sensor_before_real_people_errs_most_in_depth_however_they_face():
 
 def test_a_webcam_sees_no_place_and_loses_limbs_and_nothing_unseen_is_seen():
     clean = OperatorSource("quiet", seed=1).read(0.0)
+    assert clean is not None
     far = replace(clean, joint_pos_w=clean.joint_pos_w + (2.0, 1.0, 0.0))
     far = replace(far, confidence=np.where(np.arange(19) == 7, 0.0, far.confidence))
     seen = SensorBefore("webcam", 0).see(far)

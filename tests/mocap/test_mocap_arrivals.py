@@ -59,6 +59,7 @@ def test_a_stream_tells_how_its_frames_come_and_a_file_does_not():
     assert source.arrivals is None
     for k in range(30):
         pose = person.read(k / 30)
+        assert pose is not None
         frame = {
             "t": k / 30, "skeleton": "studio", "positions": pose.joint_pos_w.tolist(),
         }  # fmt: skip

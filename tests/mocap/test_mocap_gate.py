@@ -278,7 +278,7 @@ def some_frame(rng: np.random.Generator, t: float) -> bytes:
             raw[rng.integers(len(raw))] = rng.integers(256)
     elif kind == 7:
         at = rng.integers(len(raw))
-        raw[at : at + rng.integers(64)] = rng.bytes(rng.integers(8))
+        raw[at : at + rng.integers(64)] = rng.bytes(int(rng.integers(8)))
     return bytes(raw)
 
 
