@@ -145,6 +145,36 @@ TABLES: dict[str, tuple[str, tuple[Column, ...]]] = {
             Column(key="speed_made_m_s", head="made m/s"),
         ),
     ),
+    "link": (
+        "Over a line that delays, jitters and loses, each way",
+        (
+            Column(key="level", head="sent"),
+            Column(key="task", head="task"),
+            Column(key="delay_ms", head="delay ms", places=0),
+            Column(key="jitter_ms", head="jitter ms", places=0),
+            Column(key="loss", head="loss %", scale=100.0, places=0),
+            Column(key="episodes", head="people", places=0),
+            Column(key="falls", head="falls", places=0),
+            Column(key="success_time_ratio", head="success", places=3),
+            Column(key="done", head="done"),
+            Column(key="lag_ms", head="lag ms", places=0),
+            Column(key="joint_rmse_deg", head="joints °", places=1),
+            Column(key="orientation_error_deg", head="tilt °", places=1),
+        ),
+    ),
+    "sim2sim": (
+        "Exported policies in two engines",
+        (
+            Column(key="task", head="task"),
+            Column(key="engine", head="engine"),
+            _WHO,
+            Column(key="episodes", head="people", places=0),
+            Column(key="falls", head="falls", places=0),
+            Column(key="success_time_ratio", head="success", places=3),
+            Column(key="joint_rmse_deg", head="joints °", places=1),
+            Column(key="orientation_error_deg", head="tilt °", places=1),
+        ),
+    ),
     "faults": (
         "A line that fails",
         (
