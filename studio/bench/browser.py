@@ -74,6 +74,10 @@ class Browser:
             if said.get("method") == "Tracing.tracingComplete":
                 return main_thread_ms(events)
 
+    def ask(self, method: str, **params: Any) -> dict[str, Any]:
+        """A DevTools method of the page's, as Input.dispatchMouseEvent; its result."""
+        return self._ask(self._page, method, **params)
+
     def _ask(
         self,
         socket: "Connection",
@@ -116,8 +120,9 @@ def main_thread_ms(events: list[dict[str, Any]]) -> list[float]:
 
 
 @contextlib.contextmanager
-def browser(url: str) -> Iterator[Browser]:
-    """A Chromium that shows `url`, ended afterwards. StudioError where there is none."""
+def browser(url: str, *flags: str) -> Iterator[Browser]:
+    """A Chromium, with more flags, that shows `url`, ended afterwards. StudioError where there is
+    none."""
     from websockets.sync.client import connect
 
     path = found()
@@ -126,7 +131,7 @@ def browser(url: str) -> Iterator[Browser]:
     # A browser that is told to go may still write into its profile while that is removed.
     with tempfile.TemporaryDirectory(prefix="a1-browser-", ignore_cleanup_errors=True) as profile:
         process = subprocess.Popen(
-            [path, *FLAGS, f"--user-data-dir={profile}", "about:blank"],
+            [path, *FLAGS, *flags, f"--user-data-dir={profile}", "about:blank"],
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
         )

@@ -22,8 +22,8 @@ log = logging.getLogger(__name__)
 
 
 def run_bench(config: BenchConfig) -> dict[str, Any]:
-    """{machine, sections_ms, drive, live, frames, loop_beside_browser, page, stop, training,
-    mapper, takes}; with `compare`, each figure beside the earlier one, too.
+    """{machine, sections_ms, drive, live, frames, loop_beside_browser, page, journeys, stop,
+    training, mapper, takes}; with `compare`, each figure beside the earlier one, too.
     """
     earlier = _read(config.compare) if config.compare is not None else None
     result: dict[str, Any] = {"machine": machine()}
@@ -35,10 +35,12 @@ def run_bench(config: BenchConfig) -> dict[str, Any]:
         result["live"] = bench_live.live(config.seconds)
         result["frames"] = frame_latency(config.seconds)
         if config.browser:
+            from studio.bench.journeys import journeys
             from studio.bench.page import page
 
             result["loop_beside_browser"] = bench_live.loop_beside_browser(config.seconds)
             result["page"] = page(config.seconds)
+            result["journeys"] = journeys()
         if config.floods:
             from studio.bench.stop import stop_latency
 

@@ -7,6 +7,7 @@ import pytest
 from fake_clock import FakeClock
 
 from studio.bench import browser as bench_browser
+from studio.bench import journeys as bench_journeys
 from studio.bench import live as bench_live
 from studio.bench import page as bench_page
 from studio.bench import training
@@ -139,6 +140,7 @@ def test_without_a_browser_what_needs_one_is_skipped_and_says_so(monkeypatch):
     monkeypatch.setattr(bench_browser.shutil, "which", lambda _: None)
     for measure in (bench_live.loop_beside_browser, bench_page.page):
         assert "install chromium" in measure(1.0)["skipped"]
+    assert "install chromium" in bench_journeys.journeys()["skipped"]
 
 
 def test_of_a_trace_the_tasks_of_a_page_s_main_thread_count_and_no_others():
@@ -208,3 +210,14 @@ def test_training_s_growth_is_measured_by_the_same_number_of_looks_at_each_pair(
     few, _, many = (row["steps"] for row in growth["rows"])
     assert many == pytest.approx(16 * few, rel=0.2)  # of those not held out
     assert np.isfinite(growth["exponent"])
+
+
+@pytest.mark.browser
+def test_who_sees_only_the_screen_drives_with_one_click_and_trains_with_two():
+    figures = bench_journeys.journeys(("keyboard", "clip", "mapper"))
+    if "skipped" in figures:
+        pytest.skip(figures["skipped"])
+    assert {name: one["clicks"] for name, one in figures.items()} == {
+        "keyboard": 1, "clip": 0, "mapper": 2,
+    }, figures  # fmt: skip
+    assert all(one.get("seconds", 0.0) > 0.0 for one in figures.values()), figures

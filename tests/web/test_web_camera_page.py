@@ -2,7 +2,8 @@
 
 import pytest
 from browsing import FLAGS, chromium, click, launched, until
-from camera_video import film
+
+from studio.synthetic.film import film
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 

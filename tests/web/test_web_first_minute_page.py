@@ -15,6 +15,23 @@ BOXES = """() => {
 """Left and right edges, px, once all three are in sight."""
 
 
+def test_nothing_can_be_pressed_before_the_page_s_code_is_there(served, browsing):
+    pressed = """() => {
+      const { x, y, width, height } = document.querySelector('#keys-drive').getBoundingClientRect();
+      return document.elementFromPoint(x + width / 2, y + height / 2)?.closest('#keys-drive');
+    }"""
+    with browsing.page(served, 1024, 700) as page:
+        until(page, f"() => ({pressed})()")
+        held = []
+        page.route("**/assets/js/app.js", lambda route: held.append(route))
+        page.reload(wait_until="commit")
+        page.wait_for_selector("#keys-drive")
+        assert not page.evaluate(f"() => Boolean(({pressed})())")
+        held[0].continue_()
+        until(page, f"() => ({pressed})()")
+        assert not page.evaluate("() => document.querySelector('[inert]')")
+
+
 @pytest.mark.parametrize("width", [390, 1100])
 def test_the_figures_are_named_for_what_they_are(served, browsing, width):
     served.client.post("/api/source", json={"source": "operator:quiet"})

@@ -2,8 +2,9 @@
 
 import pytest
 from browsing import chromium, click, drawn, until
-from camera_video import film
 from served import Served
+
+from studio.synthetic.film import film
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(600)]
 

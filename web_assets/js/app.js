@@ -3,7 +3,7 @@
 import { Alarm, drawStale } from "./alarm.js";
 import { captionsOf } from "./captions.js";
 import { Controls } from "./controls.js";
-import { $, $$, attempt, calm, leave, openDialog, text, toast } from "./dom.js";
+import { $, $$, attempt, calm, hears, leave, openDialog, text, toast } from "./dom.js";
 import { CollectDoor, LibraryDoor, PaletteDoor, PlotsDoor, ReviewDoor } from "./doors.js";
 import { Drops } from "./drops.js";
 import { FilmButton } from "./film-button.js";
@@ -82,6 +82,7 @@ keyboard.listen(window);
 $("#stop").addEventListener("click", actions.stop);
 $("#reset").addEventListener("click", actions.R);
 $("#arm").addEventListener("click", actions.Enter);
+hears(".safety");
 
 const shortcuts = () => attempt(async () => (await import("./shortcuts.js")).show());
 const source = new SourcePanel(studio);
@@ -233,4 +234,5 @@ setInterval(() => {
   plots.draw();
 }, 250);
 
+hears("header, main");
 api.get("/api/health").catch((error) => toast(capital(error.message)));

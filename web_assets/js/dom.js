@@ -38,6 +38,11 @@ export const $$ = (selector, root = document) => [...root.querySelectorAll(selec
 /** Whether whoever looks wants no motion that is not the robot's. */
 export const calm = () => matchMedia("(prefers-reduced-motion: reduce)").matches;
 
+/** What was pressed there until now was lost, so that it could not be. @param {string} selector */
+export function hears(selector) {
+  for (const part of $$(selector)) part.inert = false;
+}
+
 /** The dialog that is open, if one is. */
 export const openDialog = () =>
   /** @type {HTMLDialogElement | null} */ (document.querySelector("dialog[open]"));

@@ -90,7 +90,7 @@ export class TrainPanel {
     const select = $select("#train-from");
     const chosen = select.value;
     const words = (/** @type {DataSet} */ { version, takes, count }) =>
-      `Data set ${version.slice(0, 8)}: ${takes.length} takes, ${count} pairs`;
+      `Data set ${version.slice(0, 8)}: ${counted(takes.length, "take")}, ${count} pairs`;
     select.replaceChildren(
       ticked(),
       ...found

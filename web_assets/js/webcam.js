@@ -1,7 +1,7 @@
 // The page of a camera: the person in front of it, what is seen of them, and the way to drive.
 
 import { Api } from "./net.js";
-import { $, $button, $canvas, $input, $select, el, text } from "./dom.js";
+import { $, $button, $canvas, $input, $select, el, hears, text } from "./dom.js";
 import { Camera } from "./webcam-device.js";
 import { Driving } from "./webcam-drive.js";
 import { advice, confidence } from "./webcam-framing.js";
@@ -190,3 +190,4 @@ document.documentElement.dataset.theme =
 document.body.classList.toggle("small", new URLSearchParams(location.search).has("panel"));
 setInterval(() => page.draw(), 500);
 page.draw();
+hears("main, footer");
