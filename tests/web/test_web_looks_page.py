@@ -79,16 +79,17 @@ def test_trails_follow_walking_feet_and_are_gone_with_their_source_and_when_swit
 CAMERAS = f"""(() => new Promise((told) => {{
   const {{ scene }} = {INSIDE};
   const [seen, draws] = [new Set(), scene.onAfterRender];
+  if (!Object.hasOwn(scene, 'onAfterRender')) return told(1);
   scene.onAfterRender = (renderer, _, camera) => {{
     seen.add(camera);
-    draws?.call(scene, renderer, _, camera);
+    draws.call(scene, renderer, _, camera);
   }};
   setTimeout(() => {{
     scene.onAfterRender = draws;
     told(seen.size);
   }}, 2000);
 }}))()"""
-"""How many cameras draw the view."""
+"""How many cameras draw the view: nobody but viser where nobody listens."""
 LEFT = """((figure) => {
   const { left, right } =
     document.querySelector(`.caption[data-figure=${figure}]`).getBoundingClientRect();

@@ -158,7 +158,7 @@ export function body(top, floor, view, upright) {
 
 /**
  * Captions where none lies over another, or over what must stay free: each stays or goes up or
- * down as little as it can.
+ * down as little as it can; null for one for which there is no room.
  *
  * @param {{ left: number, top: number, size: [number, number] }[]} captions as `place` gives them
  * @param {Box[]} kept what must stay free
@@ -177,7 +177,8 @@ export function spread(captions, kept, viewHeight) {
       box.top >= GAP && box.bottom <= viewHeight && !taken.some((other) => over(box, other));
     const ways = taken.flatMap((box) => [box.top - GAP, box.bottom + GAP + height]);
     const near = [top, ...ways].toSorted((a, b) => Math.abs(a - top) - Math.abs(b - top));
-    const found = near.find((bottom) => free(at(bottom))) ?? top;
+    const found = near.find((bottom) => free(at(bottom)));
+    if (found === undefined) return null;
     taken.push(at(found));
     return { left, top: found };
   });

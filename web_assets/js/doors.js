@@ -1,6 +1,6 @@
 // What is loaded only when it is wanted, so that the page is there sooner.
 
-import { $, attempt, el } from "./dom.js";
+import { $, $input, attempt, el } from "./dom.js";
 import { Signals } from "./signals.js";
 
 /** @import { State, Tick } from "../types/page.js" */
@@ -217,11 +217,16 @@ export class PaletteDoor {
     this.entries = entries;
   }
 
+  /** Not modal: the stop button must stay within reach. What is typed at once is kept, too. */
   open = () =>
     attempt(async () => {
+      const [dialog, typed] = [$("#palette"), $input("#palette-typed")];
+      typed.value = "";
+      /** @type {HTMLDialogElement} */ (dialog).show();
+      typed.focus();
       const { Palette } = await import("./palette.js");
       this.#palette ??= new Palette(this.entries);
-      this.#palette.show();
+      this.#palette.find();
     });
 }
 

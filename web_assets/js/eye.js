@@ -1,11 +1,11 @@
 // What the simulated robot's front sees: a second picture of the 3-D view, drawn by viser itself.
 
 import { $, setStyle, text } from "./dom.js";
-import { angles, turned } from "./motion.js";
+import { angles } from "./motion.js";
 
 /** @import { Draw } from "./painter.js" */
 /** @import { Panes } from "./panes.js" */
-/** @import { Camera3D, Tick, Viser } from "../types/page.js" */
+/** @import { Batch3D, Camera3D, Tick, Viser } from "../types/page.js" */
 
 /** Where the eye is in the trunk's frame, m, and its angle of view, upright. */
 const FRONT = [0.29, 0, 0.02];
@@ -77,22 +77,21 @@ export class Eye {
 
   #picture = (/** @type {Draw} */ draw) => {
     const [viser, tick] = [this.#viser, this.newest()];
-    const world = viser?.nodeRefFromName["/robot/world"];
-    if (!viser || !tick || !world || !this.there() || !this.#at.width) return;
-    const { base_pos, base_quat } = tick.robot;
+    const trunk = viser && drawn(viser);
+    if (!viser || !tick || !trunk || !this.there() || !this.#at.width) return;
     const camera = (this.#camera ??= viser.camera.clone());
-    const place = (/** @type {number[]} */ point) => {
-      const [x, y, z] = turned(base_quat, point).map((c, i) => base_pos[i] + c);
-      return world.localToWorld(Object.assign(camera.position.clone(), { x, y, z }));
-    };
+    const place = (/** @type {number} */ x, /** @type {number} */ y, /** @type {number} */ z) =>
+      trunk.localToWorld(
+        Object.assign(camera.position.clone(), { x, y, z }).applyMatrix4(trunk.getMatrixAt(0)),
+      );
     const [x, y, z] = FRONT;
     camera.fov = FOV;
     camera.near = NEAR;
     camera.aspect = 0; // so that its lens is made anew
-    camera.position.copy(place(FRONT));
-    camera.up.copy(place([x, y, z + 1]).sub(camera.position));
-    camera.lookAt(place([x + 1, y, z]));
-    const { up, turn } = horizon(base_quat); // behind it is five times as high
+    camera.position.copy(place(x, y, z));
+    camera.up.copy(place(x, y, z + 1).sub(camera.position));
+    camera.lookAt(place(x + 1, y, z));
+    const { up, turn } = horizon(tick.robot.base_quat); // behind it is five times as high
     const shift = `translateY(${(-10 * up).toFixed(2)}%)`;
     setStyle($("i", this.#back), { transform: `rotate(${turn.toFixed(4)}rad) ${shift}` });
     const laidOver = viser.nodeRefFromName["/reference"];
@@ -101,4 +100,17 @@ export class Eye {
     if (laidOver) laidOver.visible = true;
     this.#drawn = performance.now();
   };
+}
+
+/**
+ * The mesh of the trunk, as it is drawn: a tick may be ahead of it.
+ *
+ * @param {Viser} viser @returns {Batch3D | null}
+ */
+function drawn({ nodeRefFromName }) {
+  let found = null;
+  nodeRefFromName["/robot/trunk"]?.traverse((thing) => {
+    if ("getMatrixAt" in thing) found = thing;
+  });
+  return found;
 }

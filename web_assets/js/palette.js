@@ -35,7 +35,7 @@ export class Palette {
   /** @param {() => Entry[]} entries what can be done just now, besides what the page lists */
   constructor(entries) {
     this.entries = entries;
-    this.#typed.addEventListener("input", () => this.#find());
+    this.#typed.addEventListener("input", () => this.find());
     this.#typed.addEventListener("keydown", (event) => {
       const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
       if (step) this.#mark((this.#at + step + this.#found.length) % this.#found.length);
@@ -48,15 +48,8 @@ export class Palette {
     });
   }
 
-  /** Not modal: the stop button must stay within reach. */
-  show = () => {
-    this.#typed.value = "";
-    this.#dialog.show();
-    this.#typed.focus();
-    this.#find();
-  };
-
-  #find() {
+  /** Those that what is typed calls. */
+  find() {
     const all = [...pageEntries(), ...this.entries()];
     this.#found = matching(all, this.#typed.value).slice(0, ROWS);
     const rows = this.#found.map((entry, i) =>

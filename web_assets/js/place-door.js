@@ -49,7 +49,11 @@ export class PlaceDoor {
         const end = lifted(inner); // it may go up while the rest is loaded
         attempt(async () => {
           const { place } = await import("./placing.js");
-          if (await place(this.studio, this.view(), inner, event, end)) this.#set(false);
+          const put = await place(this.studio, this.view(), inner, event, end).catch((why) => {
+            this.#set(false); // it is not the time for it any more
+            throw why;
+          });
+          if (put) this.#set(false);
         });
       },
       true,

@@ -164,9 +164,9 @@ export class View {
       if (box) bodies.push(box);
       return [{ node, size, ...at }];
     });
-    spread(shown, [...this.#kept, ...bodies], view[1]).forEach(({ left, top }, i) => {
-      const at = `translate(${left.toFixed(1)}px, ${top.toFixed(1)}px) translate(-50%, -100%)`;
-      this.#put(shown[i].node, at);
+    spread(shown, [...this.#kept, ...bodies], view[1]).forEach((at, i) => {
+      const px = at && [at.left, at.top].map((c) => `${c.toFixed(1)}px`).join();
+      this.#put(shown[i].node, px ? `translate(${px}) translate(-50%, -100%)` : "");
     });
     return found === 3;
   }

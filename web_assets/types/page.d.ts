@@ -119,6 +119,7 @@ export interface Vector {
   add(other: Vector): Vector;
   sub(other: Vector): Vector;
   multiplyScalar(by: number): Vector;
+  applyMatrix4(by: unknown): Vector;
   project(camera: unknown): Vector;
   unproject(camera: unknown): Vector;
   toArray(): number[];
@@ -130,6 +131,7 @@ export interface Node3D {
   quaternion: { z: number; set(x: number, y: number, z: number, w: number): void };
   children: Thing3D[];
   add(child: Mesh3D): void;
+  traverse(visit: (thing: Thing3D) => void): void;
   getWorldPosition(into: Vector): Vector;
   localToWorld(point: Vector): Vector;
   worldToLocal(point: Vector): Vector;
@@ -142,6 +144,11 @@ export interface Thing3D extends Node3D {
   castShadow: boolean;
   material: Material;
   geometry: Geometry;
+}
+
+/** Of which many are drawn: where each is. */
+export interface Batch3D extends Thing3D {
+  getMatrixAt(index: number): unknown;
 }
 
 /** With the class that it is of, of which more can be made. */
