@@ -415,6 +415,28 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/place": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Place
+         * @description Set the simulated robot down at x, y (m in the world, at most 50 from its middle), heading
+         *     yaw (rad; null: as it does). It stands up there from a crouch, as after a reset: only while it
+         *     is stopped, and stays so until armed, or in mode idle.
+         */
+        post: operations["place_api_place_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/push": {
         parameters: {
             query?: never;
@@ -1940,7 +1962,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried";
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried" | "robot";
             /** T */
             t: number;
             /** State */
@@ -2119,6 +2141,20 @@ export interface components {
             refused: {
                 [key: string]: string;
             };
+        };
+        /**
+         * PlaceRobot
+         * @description Set the simulated robot down at x, y (m in the world, at most 50 from its middle), heading
+         *     yaw (rad; null: as it does). It stands up there from a crouch, as after a reset: only while it
+         *     is stopped, and stays so until armed, or in mode idle.
+         */
+        PlaceRobot: {
+            /** X */
+            x: number;
+            /** Y */
+            y: number;
+            /** Yaw */
+            yaw?: number | null;
         };
         /**
          * PlanItem
@@ -2720,7 +2756,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried";
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried" | "robot";
             /** T */
             t: number;
             /** State */
@@ -3199,7 +3235,7 @@ export interface components {
              * Reason
              * @enum {string}
              */
-            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried";
+            reason: "" | "idle" | "unarmed" | "stopped" | "fallen" | "fault" | "page_lost" | "source_ended" | "stale" | "nobody" | "overrun" | "unknown" | "locked" | "paused" | "hurried" | "robot";
             /** T */
             t: number;
             /** State */
@@ -4006,6 +4042,39 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["SetPerson"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["State"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    place_api_place_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["PlaceRobot"];
             };
         };
         responses: {
