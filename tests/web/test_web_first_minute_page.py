@@ -76,6 +76,14 @@ def test_a_finger_on_the_pad_drives_for_as_long_as_it_lies_there(served, browsin
         finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
         until(page, "() => !document.querySelector('#pad .held')")
         served.wait(lambda s: s["state"] == "stand")
+        click(page, '#mode [data-mode="collect"]')  # whose panels are seen from the first on
+        begins = """() => {
+          const card = document.querySelector('#collect summary')?.getBoundingClientRect();
+          return card?.height && card.top > document.querySelector('.stage')
+            .getBoundingClientRect().bottom && card.bottom < innerHeight;
+        }"""
+        until(page, begins, 30.0)
+    served.client.post("/api/mode", json={"mode": "live"})
 
 
 def step(page, button: str) -> None:
@@ -115,7 +123,17 @@ def test_the_guide_is_skipped_for_good_and_found_again(served, browsing):
         page.reload()
         drawn(page)
         assert page.is_hidden("#guide")
+        page.set_viewport_size({"width": 390, "height": 844})
         click(page, "#help")
+        until(page, "() => document.querySelector('#shortcuts').open")
+        hit = """([what, x, y]) => {
+          const box = document.querySelector(what).getBoundingClientRect();
+          const at = [box.x + x * box.width, box.y + y * box.height];
+          return Boolean(document.elementFromPoint(...at)?.closest(what));
+        }"""
+        for what, x, y in (("#shortcuts h2", 0.1, 0.5), ("#stop", 0.5, 0.1), ("#stop", 0.1, 0.1)):
+            assert page.evaluate(hit, [what, x, y]), what  # from its beginning, beside STOP
+        page.set_viewport_size({"width": 1024, "height": 700})
         click(page, "#guide-again")
         assert "hold W" in page.inner_text("#guide")
 

@@ -85,6 +85,7 @@ export class CollectPanels {
     const on = this.studio.collecting;
     const last = this.#last;
     this.#last = { on, phase, done };
+    if (on && !last.on) $("#panels").scrollTop = 0; // where its own begin
     if (on && (!last.on || phase !== last.phase || done !== last.done)) {
       this.collected.refresh();
       if (phase !== "record" && phase !== "countdown") this.#map();

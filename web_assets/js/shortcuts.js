@@ -30,5 +30,7 @@ const ROWS = [
 export function show() {
   if (!$("#keys").children.length)
     for (const [key, what] of ROWS) $("#keys").append(el("kbd", {}, key), el("span", {}, what));
-  /** @type {HTMLDialogElement} */ ($("#shortcuts")).show();
+  const dialog = /** @type {HTMLDialogElement} */ ($("#shortcuts"));
+  dialog.show();
+  dialog.scrollTop = 0; // the focus, on a button at its end, has scrolled it there
 }
