@@ -74,9 +74,8 @@ def test_who_comes_late_sees_the_props_of_this_scene_alone(served, browsing):
     follow(served, "operator:quiet")
     with browsing.page(served, 800, 600, reduced_motion="reduce") as page:
         drawn(page)
-        count = (
-            f"() => Object.entries(({PROPS})()).filter(([n]) => n.startsWith('/robot/world/'))"
-            + (".flatMap(([, rows]) => rows).length === 4")
+        count = f"() => Object.entries(({PROPS})()).filter(([n]) => n.includes('/props/'))" + (
+            ".flatMap(([, rows]) => rows).length === 4"
         )
         until(page, count)
     choose(served, "free")
