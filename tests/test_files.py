@@ -161,9 +161,11 @@ def imported(*files_: Path) -> set[Path]:
     return seen
 
 
-NOT_DECIDING = ("errors.py", "files.py", "options.py", "paths.py", "takes/untrusted.py")
+NOT_DECIDING = (
+    "errors.py", "files.py", "options.py", "paths.py", "statistics.py", "takes/untrusted.py",
+)  # fmt: skip
 """What is imported from everywhere and changes no figure: refusals, folders, names of options (a
-test below: no number), how a file is checked."""
+test below: no number), how a file is checked, how values are summed up."""
 OF_TICK = ("metrics.py", "takes/tick.py")
 """How a tick is written down and judged, not what comes of it."""
 SCENE_OPERATOR = ("evaluation/scene_operator", "evaluation/scene_plays")

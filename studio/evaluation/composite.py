@@ -42,7 +42,8 @@ _OVERTIME = 5.0
 _FLOW = (
     "control", "human", "mocap", "reference", "retarget", "robot", "scenes", "sim", "synthetic",
     "geometry", "rhythm", "timing", "metrics", "puppeteer", "sources", "takes/record", "takes/tick",
-    "evaluation/composite", "evaluation/scene_operator", "evaluation/scene_plays",
+    "link/link", "link/sim", "evaluation/composite", "evaluation/scene_operator",
+    "evaluation/scene_plays",
 )  # fmt: skip
 """What a run depends on, beside the models."""
 

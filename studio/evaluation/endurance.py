@@ -46,8 +46,8 @@ CASES: tuple[Case, ...] = (
 )
 _FLOW = (
     "control", "human", "mocap", "reference", "retarget", "rl/noise", "robot", "scenes", "sim",
-    "synthetic", "geometry", "rhythm", "timing", "metrics", "puppeteer", "evaluation/behind",
-    "evaluation/long_drive",
+    "synthetic", "geometry", "rhythm", "timing", "metrics", "puppeteer", "link/link", "link/sim",
+    "evaluation/behind", "evaluation/long_drive",
 )  # fmt: skip
 """What a run depends on, beside the models."""
 

@@ -59,7 +59,8 @@ SECONDS = 26.0
 TASK = "retargeted"
 CODE = (
     "geometry", "rhythm", "timing", "human", "robot", "reference", "scenes", "sim", "synthetic",
-    "retarget", "control", "sources", "mocap", "puppeteer", "rl/bank", "training/retargeted",
+    "retarget", "control", "sources", "mocap", "puppeteer", "link/link", "link/sim", "rl/bank",
+    "training/retargeted",
 )  # fmt: skip
 """The code that decides what mappers make of people: none of the page's, of takes, of training."""
 
