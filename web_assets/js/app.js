@@ -4,7 +4,7 @@ import { Alarm, drawStale } from "./alarm.js";
 import { captionsOf } from "./captions.js";
 import { Controls } from "./controls.js";
 import { $, $$, attempt, calm, hears, leave, openDialog, text, toast } from "./dom.js";
-import { CollectDoor, LibraryDoor, PaletteDoor, PlotsDoor, ReviewDoor } from "./doors.js";
+import { CollectDoor, LibraryDoor, PlotsDoor, ReviewDoor } from "./doors.js";
 import { Drops } from "./drops.js";
 import { FilmButton } from "./film-button.js";
 import { Guide } from "./guide.js";
@@ -14,6 +14,7 @@ import { drawControl, startHolding } from "./holding.js";
 import { Keyboard } from "./keys.js";
 import { ControlLine, ticks } from "./net.js";
 import { startPad } from "./pad.js";
+import { PaletteDoor } from "./palette-door.js";
 import { PlaceDoor } from "./place-door.js";
 import { PushDoor } from "./push-door.js";
 import { SceneDoor } from "./scene-door.js";
@@ -122,6 +123,7 @@ const view = new View({
   ready: () => {
     $("#veil").classList.add("gone");
     collect.soon();
+    plots.soon();
   },
   drag: drops.drag,
   newest: () => studio.tick,

@@ -1,15 +1,14 @@
 // What is loaded only when it is wanted, so that the page is there sooner.
 
-import { $, $input, attempt, el } from "./dom.js";
-import { Signals } from "./signals.js";
+import { $, attempt, el } from "./dom.js";
 
 /** @import { State, Tick } from "../types/page.js" */
 /** @import { CollectPanels } from "./collect.js" */
 /** @import { Found } from "./files.js" */
 /** @import { Hooks, Library } from "./library.js" */
-/** @import { Entry, Palette } from "./palette.js" */
 /** @import { PlotDock } from "./plots.js" */
 /** @import { Review } from "./review.js" */
+/** @import { Signals } from "./signals.js" */
 /** @import { Studio } from "./studio.js" */
 
 const KEYS = ["P", ",", ".", "I", "O", "Z", "Y", "L"];
@@ -153,10 +152,14 @@ export class LibraryDoor {
  * @typedef {{ name: string, seek: (t: number) => unknown }} Bench
  */
 
-/** The dock of plots, from when it is first open on; signals are kept for it from the start. */
+/** The dock of plots, from when it is first open on; signals are kept for it from soon after the
+ * start. */
 export class PlotsDoor {
   #dock = /** @type {HTMLDetailsElement} */ ($("#plots"));
-  #signals = new Signals();
+  /** @type {Promise<Signals> | null} */
+  #loading = null;
+  /** @type {Signals | null} */
+  #signals = null;
   /** @type {PlotDock | null} */
   #plots = null;
   /** @type {Bench | null} */
@@ -173,10 +176,21 @@ export class PlotsDoor {
     this.#dock.open = localStorage.getItem("plots") === "open";
   }
 
+  /** @returns {Promise<Signals>} */
+  #listen() {
+    this.#loading ??= import("./signals.js").then((all) => (this.#signals = new all.Signals()));
+    return this.#loading;
+  }
+
+  /** What mattered more is there. */
+  soon() {
+    setTimeout(() => this.#listen(), SOON);
+  }
+
   #load = async () => {
     if (!this.#dock.open && !this.#plots) return;
-    const { PlotDock } = await import("./plots.js");
-    this.#plots ??= new PlotDock(this.studio.api, this.#signals);
+    const [{ PlotDock }, signals] = await Promise.all([import("./plots.js"), this.#listen()]);
+    this.#plots ??= new PlotDock(this.studio.api, signals);
     await this.#plots.show(this.#bench);
   };
 
@@ -198,36 +212,13 @@ export class PlotsDoor {
 
   /** @param {Tick} tick */
   add(tick) {
-    if (!this.#plots?.frozen) this.#signals.add(tick);
+    if (!this.#plots?.frozen) this.#signals?.add(tick);
   }
 
   /** Four times a second. */
   draw() {
     this.#plots?.draw();
   }
-}
-
-/** The palette, from when it is first opened on. */
-export class PaletteDoor {
-  /** @type {Palette | null} */
-  #palette = null;
-
-  /** @param {() => Entry[]} entries what can be done just now */
-  constructor(entries) {
-    this.entries = entries;
-  }
-
-  /** Not modal: the stop button must stay within reach. What is typed at once is kept, too. */
-  open = () =>
-    attempt(async () => {
-      const [dialog, typed] = [$("#palette"), $input("#palette-typed")];
-      typed.value = "";
-      /** @type {HTMLDialogElement} */ (dialog).show();
-      typed.focus();
-      const { Palette } = await import("./palette.js");
-      this.#palette ??= new Palette(this.entries);
-      this.#palette.find();
-    });
 }
 
 /** A button that opens the library. */

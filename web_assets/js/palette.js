@@ -39,13 +39,18 @@ export class Palette {
     this.#typed.addEventListener("keydown", (event) => {
       const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
       if (step) this.#mark((this.#at + step + this.#found.length) % this.#found.length);
-      else if (event.key === "Enter") this.#run(this.#found[this.#at]);
+      else if (event.key === "Enter") this.choose();
       else return;
       event.preventDefault();
     });
     this.#dialog.addEventListener("focusout", ({ relatedTarget }) => {
       if (!this.#dialog.contains(/** @type {Node | null} */ (relatedTarget))) this.#dialog.close();
     });
+  }
+
+  /** Do what is marked. */
+  choose() {
+    this.#run(this.#found[this.#at]);
   }
 
   /** Those that what is typed calls. */
