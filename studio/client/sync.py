@@ -144,8 +144,10 @@ class _Socket(Generic[S]):
     def close(self) -> None:
         """Leave; idempotent."""
         if self._open:
-            self._wait(self._socket.__aexit__())
-            self._end()
+            try:
+                self._wait(self._socket.__aexit__())
+            finally:
+                self._end()
 
     def __enter__(self) -> Self:
         return self

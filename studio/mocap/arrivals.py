@@ -37,9 +37,9 @@ class ArrivalLog:
         self._came.append((now, sent))
         _forget(self._came, now)
 
-    def read(self, now: float) -> None:
-        """The control loop reads the newest frame."""
-        self._waits.append((now, now - self._came[-1][0]))
+    def read(self, now: float, arrived: float) -> None:
+        """The control loop reads a frame that arrived then."""
+        self._waits.append((now, now - arrived))
         _forget(self._waits, now)
 
     def anew(self) -> None:

@@ -74,7 +74,8 @@ class StreamSource(Source):
             if not self._fresh:
                 return None
             self._fresh = False
-            self._log.read(self._clock())
+            if self._latest is not None:
+                self._log.read(self._clock(), self._opened + self._latest.t)
             return self._latest
 
     @property

@@ -178,13 +178,19 @@ export class PlotsDoor {
 
   /** @returns {Promise<Signals>} */
   #listen() {
-    this.#loading ??= import("./signals.js").then((all) => (this.#signals = new all.Signals()));
+    this.#loading ??= import("./signals.js").then(
+      ({ Signals }) => (this.#signals = new Signals()),
+      (error) => {
+        this.#loading = null;
+        throw error;
+      },
+    );
     return this.#loading;
   }
 
   /** What mattered more is there. */
   soon() {
-    setTimeout(() => this.#listen(), SOON);
+    setTimeout(() => this.#listen().catch(() => {}), SOON);
   }
 
   #load = async () => {
