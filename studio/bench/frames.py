@@ -4,7 +4,6 @@ A sender on this machine says where it is in its sequence by standing that many 
 the ticks say it back. What a sensor and its pose model take comes on top.
 """
 
-import json
 import threading
 import time
 from typing import Any
@@ -14,6 +13,7 @@ import numpy as np
 from studio.bench.run import percentiles
 from studio.bench.served import TOKEN, served
 from studio.client import ClientError, Studio
+from studio.client.wire import frame_text
 from studio.errors import StudioError
 from studio.mocap.gate import FrameGate
 from studio.synthetic.operator import OperatorSource
@@ -56,8 +56,7 @@ def _checks(count: int) -> dict[str, float]:
     for k in range(count):
         pose = person.read(k * CONTROL_DT)
         assert pose is not None
-        frame = {"t": pose.t, "skeleton": "studio", "positions": pose.joint_pos_w.tolist()}
-        text = json.dumps(frame).encode()
+        text = frame_text(pose.t, "studio", pose.joint_pos_w.tolist(), None).encode()
         began = time.perf_counter()
         gate.check(text)
         took.append(time.perf_counter() - began)

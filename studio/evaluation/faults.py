@@ -3,7 +3,6 @@ gate that every frame from outside passes → falls, and how much of the time th
 """
 
 import heapq
-import json
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -11,17 +10,17 @@ from itertools import count
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from studio import metrics
+from studio.client.wire import frame_text
 from studio.control.drive_command import PuppeteerConfig
-from studio.control.staleness import stale_command
 from studio.errors import StudioError
 from studio.evaluation.behind import met
-from studio.evaluation.long_drive import LIE_S
+from studio.evaluation.long_drive import set_up_again
 from studio.evaluation.options import TableOptions
 from studio.human.pose import HumanPose
 from studio.mocap.source import Source
+from studio.mocap.source_report import SourceReport
 from studio.mocap.stream import StreamSource
 from studio.options import ControllerName
 from studio.sources import open_source
@@ -83,9 +82,9 @@ class FaultyLine(Source):
         self.sent = 0
 
     @property
-    def refused(self) -> int:
-        """Frames that the gate has not let through."""
-        return self._line.rejected
+    def report(self) -> SourceReport:
+        """As the gate's."""
+        return self._line.report
 
     def calibration_poses(self) -> list[HumanPose]:
         """As the person's: somebody calibrates in peace."""
@@ -113,13 +112,8 @@ class FaultyLine(Source):
     def _send(self, t: float, pose: HumanPose) -> None:
         rng, rate = self._rng, self._rate
         self.sent += 1
-        frame = {
-            "t": pose.t,
-            "skeleton": "studio",
-            "positions": pose.joint_pos_w.tolist(),
-            "confidence": pose.confidence.tolist(),
-        }
-        raw, arrives, hit = json.dumps(frame).encode(), t, rng.random() < rate
+        text = frame_text(pose.t, "studio", pose.joint_pos_w.tolist(), pose.confidence.tolist())
+        raw, arrives, hit = text.encode(), t, rng.random() < rate
         if self._kind == "silent":
             mean = sum(_SILENCE_S) / 2.0
             begins = rng.random() < rate / (1.0 - rate) * CONTROL_DT / mean
@@ -166,29 +160,15 @@ def drive_over(kind: str, rate: float, options: Options, seed: int) -> Driven:
     """A person, drawn from `seed`, over a line that fails."""
     source = FaultyLine(open_source(options.source, seed=seed), kind, rate, seed)
     puppeteer = met(source, PuppeteerConfig(controller=options.controller, seed=seed))
-    falls, followed, lying = 0, 0, 0.0
-    errors: list[NDArray[np.float64]] = []
-    periods = round(options.seconds / CONTROL_DT)
-    for k in range(periods):
-        human = source.read(k * CONTROL_DT)
-        if lying > 0.0:
-            lying -= CONTROL_DT
-            if lying <= 0.0:
-                puppeteer.stand_up()
-                puppeteer.rejoin()
-            continue
-        tick = puppeteer.step(human, stale_command)
-        if tick.fallen:
-            falls, lying = falls + 1, LIE_S
-        followed += not tick.why
-        errors.append(metrics.joint_error_sq(tick.robot.joint_pos, tick.reference.joint_pos))
+    ticks = [tick for _, tick in set_up_again(puppeteer, source, options.seconds)]
     source.close()
+    errors = [metrics.joint_error_sq(t.robot.joint_pos, t.reference.joint_pos) for t in ticks]
     return Driven(
-        falls=falls,
-        followed=followed / periods,
+        falls=sum(tick.fallen for tick in ticks),
+        followed=sum(not tick.why for tick in ticks) / round(options.seconds / CONTROL_DT),
         joint_sq=float(np.mean(errors)),
         sent=source.sent,
-        refused=source.refused,
+        refused=source.rejected,
     )
 
 

@@ -5,9 +5,11 @@ included, on simulated time. `references` is what the link is for; `targets` sho
 """
 
 import logging
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -15,12 +17,12 @@ from studio import metrics
 from studio.control.drive_command import PuppeteerConfig
 from studio.control.staleness import stale_command
 from studio.errors import StudioError
+from studio.evaluation.behind import met
 from studio.evaluation.composite import Job as SceneJob
 from studio.evaluation.composite import act_out, calibration_of, share_ci
 from studio.evaluation.kept_runs import file_of, kept_runs
 from studio.evaluation.options import TableOptions
 from studio.evaluation.tracking import CACHE
-from studio.human.calibration import calibrate
 from studio.link.link import Level
 from studio.link.simulated import Line, SimulatedLink
 from studio.puppeteer import Puppeteer
@@ -31,6 +33,7 @@ from studio.takes.tick import Tick
 from studio.training.machine import commit
 
 log = logging.getLogger(__name__)
+C = TypeVar("C")
 FIRST_SEED = 100
 TOUR = "tour"
 MOST_LAG = 30
@@ -38,8 +41,9 @@ MOST_LAG = 30
 SCENES = ("greeting", "push")
 _FLOW = (
     "control", "human", "link", "mocap", "reference", "retarget", "robot", "scenes", "sim",
-    "synthetic", "geometry", "rhythm", "timing", "metrics", "puppeteer", "evaluation/composite",
-    "evaluation/link", "evaluation/scene_operator", "evaluation/scene_plays",
+    "synthetic", "geometry", "rhythm", "timing", "metrics", "puppeteer", "evaluation/behind",
+    "evaluation/composite", "evaluation/link", "evaluation/scene_operator",
+    "evaluation/scene_plays",
 )  # fmt: skip
 
 
@@ -69,17 +73,28 @@ CASES: tuple[Case, ...] = (
 
 
 @dataclass(frozen=True, kw_only=True)
-class Options(TableOptions):
-    """Of `evaluate link`."""
+class PeopleOptions(TableOptions):
+    """Of a table whose rows are people who drive over a link."""
 
     episodes: int = 5
     """People who drive, a row."""
     seconds: float = 40.0
     """How long each drives; a tour of every task takes 40 s."""
-    level: Level | None = None
-    """Only this level."""
     threads: int = 0
     """Processes to use; 0: one a core."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if not 1.0 <= self.seconds <= 3600.0:
+            raise StudioError(f"--seconds must be 1 to 3600, not {self.seconds}")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options(PeopleOptions):
+    """Of `evaluate link`."""
+
+    level: Level | None = None
+    """Only this level."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,22 +114,38 @@ class Run:
 
 def run_link(options: Options = Options(), *, cache: Path | None = CACHE) -> dict[str, Any]:
     """`{"rows": [...]}`, a row per Case; each person's run is kept in `cache`."""
-    if not 1.0 <= options.seconds <= 3600.0:
-        raise StudioError(f"--seconds must be 1 to 3600, not {options.seconds}")
     cases = [case for case in CASES if options.level in (None, case.level)]
+    made = runs_of("link", _FLOW, drive_over, cases, options, cache)
+    return {"rows": [row(case, runs, options) for case, runs in made]}
+
+
+def runs_of(
+    name: str,
+    code: Sequence[str],
+    drive: Callable[[C, float, int], Run],
+    cases: Sequence[C],
+    options: PeopleOptions,
+    cache: Path | None,
+) -> Iterator[tuple[C, list[Run]]]:
+    """Each case (a dataclass) with its people's runs, each kept in `cache` under `name`.
+
+    drive: a function of a module, (case, seconds, seed). code: what a run depends on (`file_of`).
+    """
     seeds = [FIRST_SEED + options.seed + k for k in range(options.episodes)]
     jobs = [(case, options.seconds, seed) for case in cases for seed in seeds]
-    files = [file_of(cache, "link", _FLOW, [asdict(case), *rest]) for case, *rest in jobs]
-    runs = kept_runs(_run, Run, jobs, files, options.threads)
-    rows = []
+    files = [
+        file_of(cache, name, code, [asdict(case), *rest])  # type: ignore[call-overload]
+        for case, *rest in jobs
+    ]
+    runs = kept_runs(partial(_spread, drive), Run, jobs, files, options.threads)
     for case in cases:
-        rows.append(row(case, [next(runs) for _ in seeds], options))
-        log.info("%s", rows[-1])
-    return {"rows": rows}
+        made = [next(runs) for _ in seeds]
+        log.info("%s: %d falls", case, sum(run.fell for run in made))
+        yield case, made
 
 
-def _run(job: tuple[Case, float, int]) -> Run:
-    return drive_over(*job)
+def _spread(drive: Callable[[C, float, int], Run], job: tuple[C, float, int]) -> Run:
+    return drive(*job)
 
 
 def drive_over(case: Case, seconds: float, seed: int) -> Run:
@@ -134,10 +165,7 @@ def drive_over(case: Case, seconds: float, seed: int) -> Run:
 
 def toured(link: SimulatedLink, source: OperatorSource, seconds: float, seed: int) -> Run:
     """What came of `source` driving the link's robot for so long, or until it lies."""
-    puppeteer = Puppeteer(
-        PuppeteerConfig(seed=seed), calibrate(source.calibration_poses()), link=link
-    )
-    seen = _Seen(link)
+    puppeteer, seen = met(source, PuppeteerConfig(seed=seed), link), _Seen(link)
     for k in range(round(seconds / CONTROL_DT)):
         tick = puppeteer.step(source.read(k * CONTROL_DT), stale_command)
         if seen.see(tick.reference):

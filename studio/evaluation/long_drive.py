@@ -3,6 +3,7 @@
 After a fall the robot is stood up where it lies, as an operator would, and goes on.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -20,13 +21,16 @@ from studio.control.drive_command import PuppeteerConfig
 from studio.control.policy import Policy
 from studio.control.staleness import stale_command
 from studio.evaluation.behind import met
+from studio.mocap.source import Source
 from studio.options import PAPER_JOINT_SPEED_DEG, ControllerName
+from studio.puppeteer import Puppeteer
 from studio.reference.intent import STATES, StateName
 from studio.retarget.settings import joint_speed
 from studio.rl.noise import NoiseConfig
 from studio.robot.a1 import CONTROL_DT
 from studio.sim import randomize
 from studio.synthetic.impaired import sent_by
+from studio.takes.tick import Tick
 
 Array = NDArray[np.float64]
 DynamicsName = Literal["nominal", "table_i"]
@@ -86,9 +90,23 @@ def endure(case: Case, seed: int) -> Run:
         puppeteer.stage.world.set_dynamics(drawn)
     puppeteer.reset()
     falls: list[float] = []
-    lying = 0.0
     rows: list[tuple[bool, float, Array]] = []
-    for k in range(round(case.seconds / CONTROL_DT)):
+    for t, tick in set_up_again(puppeteer, source, case.seconds):
+        if tick.fallen:
+            falls.append(t)
+        speed = float(np.hypot(*tick.reference.base_lin_vel_w[:2]))
+        rows.append((tick.state == "walk" and not tick.fallen, speed, tick.robot.base_pos[:2]))
+    asked, made = _windows(rows)
+    return Run(seconds=case.seconds, falls=tuple(falls), asked=asked, made=made)
+
+
+def set_up_again(
+    puppeteer: Puppeteer, source: Source, seconds: float
+) -> Iterator[tuple[float, Tick]]:
+    """(s, tick) of each period of a drive for so long; a robot that fell lies for LIE_S, without
+    ticks, and stands up."""
+    lying = 0.0
+    for k in range(round(seconds / CONTROL_DT)):
         human = source.read(k * CONTROL_DT)
         if lying > 0.0:
             lying -= CONTROL_DT
@@ -98,12 +116,8 @@ def endure(case: Case, seed: int) -> Run:
             continue
         tick = puppeteer.step(human, stale_command)
         if tick.fallen:
-            falls.append(k * CONTROL_DT)
             lying = LIE_S
-        speed = float(np.hypot(*tick.reference.base_lin_vel_w[:2]))
-        rows.append((tick.state == "walk" and not tick.fallen, speed, tick.robot.base_pos[:2]))
-    asked, made = _windows(rows)
-    return Run(seconds=case.seconds, falls=tuple(falls), asked=asked, made=made)
+        yield k * CONTROL_DT, tick
 
 
 def _controller(case: Case, seed: int) -> Controller:

@@ -22,9 +22,7 @@ from studio.control.controllers import Controller, ControllerInput, PdPlayback
 from studio.control.observation_frame import one_reference_frame, one_sensor_frame
 from studio.control.policy import MODELS
 from studio.errors import StudioError
-from studio.evaluation.kept_runs import file_of, kept_runs
-from studio.evaluation.link import FIRST_SEED, Run, toured
-from studio.evaluation.options import TableOptions
+from studio.evaluation.link import PeopleOptions, Run, runs_of, toured
 from studio.evaluation.tracking import CACHE
 from studio.geometry import scalars
 from studio.link.engine import Engine, MujocoEngine
@@ -45,7 +43,7 @@ CONTROLLERS = ("policy", "pd_playback")
 _FLOW = (
     "control", "human", "link", "mocap", "reference", "retarget", "robot", "scenes", "sim",
     "synthetic", "geometry", "rhythm", "timing", "metrics", "puppeteer", "training/export",
-    "evaluation/link", "evaluation/sim2sim",
+    "evaluation/behind", "evaluation/link", "evaluation/sim2sim",
 )  # fmt: skip
 
 
@@ -60,15 +58,11 @@ class Case:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Options(TableOptions):
+class Options(PeopleOptions):
     """Of `evaluate sim2sim`."""
 
-    episodes: int = 5
-    """People who drive, a row."""
     seconds: float = 20.0
     """How long each drives."""
-    threads: int = 0
-    """Processes to use; 0: one a core."""
 
 
 class ExportedPolicies(Controller):
@@ -120,8 +114,6 @@ def _runner() -> Any:
 def run_sim2sim(options: Options = Options(), *, cache: Path | None = CACHE) -> dict[str, Any]:
     """`{"rows": [...]}`, a row per task, engine and controller. Where PyBullet is not installed,
     MuJoCo's rows alone."""
-    if not 1.0 <= options.seconds <= 3600.0:
-        raise StudioError(f"--seconds must be 1 to 3600, not {options.seconds}")
     engines = ENGINES if find_spec("pybullet") else ENGINES[:1]
     if engines != ENGINES:
         log.warning("no second engine: pip install 'a1-studio[pybullet]'")
@@ -131,19 +123,8 @@ def run_sim2sim(options: Options = Options(), *, cache: Path | None = CACHE) -> 
         for engine in engines
         for controller in CONTROLLERS
     ]
-    seeds = [FIRST_SEED + options.seed + k for k in range(options.episodes)]
-    jobs = [(case, options.seconds, seed) for case in cases for seed in seeds]
-    files = [file_of(cache, "sim2sim", _FLOW, [asdict(case), *rest]) for case, *rest in jobs]
-    runs = kept_runs(_run, Run, jobs, files, options.threads)
-    rows = []
-    for case in cases:
-        rows.append(row(case, [next(runs) for _ in seeds], options))
-        log.info("%s", rows[-1])
-    return {"rows": rows}
-
-
-def _run(job: tuple[Case, float, int]) -> Run:
-    return track(*job)
+    made = runs_of("sim2sim", _FLOW, track, cases, options, cache)
+    return {"rows": [row(case, runs, options) for case, runs in made]}
 
 
 def track(case: Case, seconds: float, seed: int) -> Run:

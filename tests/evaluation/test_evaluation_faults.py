@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from studio.errors import StudioError
-from studio.evaluation import faults
+from studio.evaluation import long_drive
 from studio.evaluation.faults import RATES, Driven, FaultyLine, Options, drive_over, run_faults
 from studio.synthetic.operator import OperatorSource
 from studio.timing import CONTROL_DT
@@ -27,7 +27,7 @@ def test_a_good_line_brings_every_frame_in_its_period_as_it_was():
         assert pose is not None
         assert sent is not None
         np.testing.assert_allclose(pose.joint_pos_w, sent.joint_pos_w, atol=1e-9)
-    assert (line.sent, line.refused) == (300, 0)
+    assert (line.sent, line.rejected) == (300, 0)
 
 
 @pytest.mark.parametrize(
@@ -47,10 +47,10 @@ def test_each_fault_takes_its_share_and_the_gate_refuses_what_it_should(
     line, poses = through(kind, rate, seconds=20.0)
     share = np.mean([pose is None for pose in poses])
     assert missing[0] <= share <= missing[1]
-    assert refused[0] <= line.refused / line.sent <= refused[1]
+    assert refused[0] <= line.rejected / line.sent <= refused[1]
     again, same = through(kind, rate, seconds=20.0)
     assert [pose is None for pose in same] == [pose is None for pose in poses]
-    assert again.refused == line.refused
+    assert again.rejected == line.rejected
 
 
 def test_a_row_is_all_people_of_a_kind_and_a_rate():
@@ -79,7 +79,7 @@ def test_somebody_over_a_bad_line_keeps_the_robot_up():
 
 
 def test_a_fall_is_counted_and_the_robot_set_up_again(monkeypatch):
-    monkeypatch.setattr(faults, "LIE_S", 0.5)
+    monkeypatch.setattr(long_drive, "LIE_S", 0.5)
     options = Options(seconds=30.0, source="operator:walk", controller="pd_playback")
     assert drive_over("none", 0.0, options, seed=0).falls > 0
 
