@@ -14,7 +14,8 @@ from functools import partial
 import numpy as np
 
 from studio.reference.intent import StateName
-from studio.retarget.baselines import FrameMapper, NearestPair, Ridge, Targets
+from studio.retarget.baselines.frames import FrameMapper, Targets
+from studio.retarget.baselines.simple import NearestPair, Ridge
 from studio.retarget.mapper import NUM_OUTPUTS, Mapper
 from studio.training.mapper_fit import MapperTraining, fit_expert, new_net
 from studio.training.mapper_net import MapperNet
@@ -53,7 +54,7 @@ def fit_methods(
     total = sum(len(pairs) for pairs in known.values())
     out: dict[StateName, list[Fitted]] = {}
     for state, pairs in known.items():
-        targets = Targets(**{f: getattr(pairs, f) for f in Targets.__dataclass_fields__})
+        targets = Targets.of(pairs)
         makers: dict[str, Callable[[], FrameMapper]] = {
             "nearest_pair": partial(NearestPair, pairs.triplet, targets),
             "ridge": partial(Ridge, pairs.triplet, targets),

@@ -17,7 +17,7 @@ from studio.evaluation.options import TableOptions
 from studio.evaluation.pair_methods import SIZES, Fitted, fit_methods, spread
 from studio.options import Style
 from studio.reference.intent import STATES, StateName
-from studio.retarget.baselines import contact_by_height
+from studio.retarget.baselines.simple import contact_by_height
 from studio.retarget.foothold_planner import FootholdPlanner
 from studio.retarget.mapper import RATES, Mapped
 from studio.retarget.store import load_experts

@@ -8,6 +8,7 @@ are linear, in units of the training data's standard deviation.
 """
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
@@ -72,6 +73,27 @@ class Expert(Protocol):
     def __call__(self, triplet: NDArray) -> Mapped:
         """Map a batch (N, 3F) of frames, one control period apart."""
         ...
+
+
+class FrameByFrame(ABC):
+    """An expert that goes by what came before: a batch is one stretch of motion."""
+
+    remembers = True
+
+    @abstractmethod
+    def begin(self) -> Callable[[NDArray], Mapped]:
+        """Start anew from rest: what maps one triplet (3F,) a control period."""
+
+    def __call__(self, triplet: NDArray) -> Mapped:
+        """Map frames (N, 3F) that follow one another by a control period, from rest on."""
+        going = self.begin()
+        rows = [going(row) for row in np.atleast_2d(triplet)]
+        return Mapped(
+            joint_pos=np.stack([row.joint_pos for row in rows]),
+            base_quat=np.stack([row.base_quat for row in rows]),
+            rates=np.stack([row.rates for row in rows]),
+            contact_prob=np.stack([row.contact_prob for row in rows]),
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from studio.human.features import FEATURE_DIM
 from studio.reference.stepping import Stepper, forward_cadence
-from studio.retarget.mapper import Mapped
+from studio.retarget.mapper import FrameByFrame, Mapped
 from studio.retarget.march import MarchReader
-from studio.retarget.striding import RuledWalk, Striding
+from studio.retarget.striding import Striding
 from studio.robot.a1 import CONTROL_DT
 
 
-class SemanticWalk(RuledWalk):
+class SemanticWalk(FrameByFrame):
     """The walk expert of style "semantic": rules in place of weights, nothing to train."""
 
     remembers = True

@@ -1,8 +1,5 @@
 """Intents of walking → what an expert says of them: the generator's own steps, frame by frame."""
 
-from abc import ABC, abstractmethod
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,25 +11,6 @@ from studio.retarget.mapper import NUM_RATES, RATES, Mapped
 from studio.robot.a1 import CONTROL_DT
 
 Array = NDArray[np.float64]
-
-
-class RuledWalk(ABC):
-    """A walk expert made of rules (`mapper.Expert`): a batch is one stretch of motion."""
-
-    @abstractmethod
-    def begin(self) -> Callable[[NDArray], Mapped]:
-        """Start anew from standing: what maps one triplet (3F,) a control period."""
-
-    def __call__(self, triplet: NDArray) -> Mapped:
-        """Map frames (N, 3F) that follow one another by a control period, from standing on."""
-        stride = self.begin()
-        rows = [stride(row) for row in np.atleast_2d(triplet)]
-        return Mapped(
-            joint_pos=np.stack([row.joint_pos for row in rows]),
-            base_quat=np.stack([row.base_quat for row in rows]),
-            rates=np.stack([row.rates for row in rows]),
-            contact_prob=np.stack([row.contact_prob for row in rows]),
-        )
 
 
 class Striding:

@@ -23,9 +23,9 @@ from studio.human.skeleton import INDEX
 from studio.reference import gait
 from studio.reference.stepping import Stepper, trot_cadence
 from studio.reference.tasks_travel import MAX_SPIN
-from studio.retarget.mapper import Mapped
+from studio.retarget.mapper import FrameByFrame, Mapped
 from studio.retarget.march import MarchReader
-from studio.retarget.striding import RuledWalk, Striding
+from studio.retarget.striding import Striding
 from studio.robot import a1
 from studio.robot.a1 import CONTROL_DT
 
@@ -118,7 +118,7 @@ class PathReader:
         self.found = self.found or float(np.hypot(*(place - self._recent[0][1]))) > FOUND_M
 
 
-class TravelWalk(RuledWalk):
+class TravelWalk(FrameByFrame):
     """The walk expert of whoever moves through space: rules in place of weights.
 
     path: is kept up to date by whoever owns it, once a control period before the expert is asked.

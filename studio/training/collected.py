@@ -25,7 +25,8 @@ from safetensors.numpy import load_file, save_file
 from studio.errors import StudioError
 from studio.files import whole
 from studio.reference.intent import STATES, StateName
-from studio.retarget.baselines import FrameMapper, NearestPair, Ridge, Targets
+from studio.retarget.baselines.frames import FrameMapper, Targets
+from studio.retarget.baselines.simple import NearestPair, Ridge
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, ruled, stem, style_dir
 from studio.takes.names import check_name
@@ -168,7 +169,7 @@ def train_state(
         )
     net = fit_expert(state, known, settings, watch=watch, net=begin)
     tensors = net.export()
-    targets = Targets(**{f: getattr(known, f) for f in Targets.__dataclass_fields__})
+    targets = Targets.of(known)
     methods: dict[str, FrameMapper] = {
         "yours": Mapper.from_tensors(tensors),
         "nearest_pair": NearestPair(known.triplet, targets),

@@ -18,7 +18,7 @@ from studio import geometry, metrics
 from studio.errors import StudioError
 from studio.reference.intent import StateName
 from studio.reference.stances import NEUTRAL
-from studio.retarget.baselines import FrameMapper
+from studio.retarget.baselines.frames import FrameMapper
 from studio.retarget.mapper import RATES
 from studio.retarget.network import z_scores
 from studio.training import checkpoint

@@ -30,6 +30,8 @@ Array32 = NDArray[np.float32]
 
 POSE = ("joint_pos", "base_quat", "base_pos", "contact")
 """The labels that are no rates, fields of a PairSet."""
+KNOWN_AFTER = 15
+"""Control periods of a performance that are no pairs."""
 EXERCISE_SHARE = 0.4
 """Share of standing performances at people's own brisk pace: library tasks are the robot's."""
 
@@ -93,25 +95,35 @@ def performances(
     quarter as many, an expert erred twice as much on new people as on those it knew.
     family: see `Person.sample`.
     """
-    tasks = task_names(state)
     done = 0.0
-    while done < seconds:
+    for track, robot, person in acts(state, rng, family, style, clip_seconds):
+        if done >= seconds:
+            return
+        pairs = pair_up(track, realize(robot), person, rng)
+        done += len(pairs) / CONTROL_HZ
+        yield pairs
+        if track is robot and rng.random() < 0.5:
+            yield mirrored(pairs)
+            done += len(pairs) / CONTROL_HZ
+
+
+def acts(
+    state: StateName, rng: np.random.Generator, family: str, style: str, clip_seconds: float
+) -> Iterator[tuple[IntentTrack, IntentTrack, Person]]:
+    """Without end: what a person means in acting out a task of a state, what the robot is to make
+    of it (the same, but where both arms rise), and who it is."""
+    tasks = task_names(state)
+    while True:
         name = str(rng.choice(tasks, p=np.full(len(tasks), 1.0 / len(tasks))))
         if state == "stand" and rng.random() < EXERCISE_SHARE:
             track = exercise(rng, clip_seconds)
         else:
             track = TASKS[name].sample(rng, clip_seconds, float(rng.uniform(0.3, 1.0)))
         person = Person.sample(rng, family, style=style).still()
-        one_sided = False
         robot = track
         if state == "stand" and np.any(track.reach > 0.3) and rng.random() < 0.35:
-            track, robot, one_sided = *both_arms(track, rng), True
-        pairs = pair_up(track, realize(robot), person, rng)
-        done += len(pairs) / CONTROL_HZ
-        yield pairs
-        if not one_sided and rng.random() < 0.5:
-            yield mirrored(pairs)
-            done += len(pairs) / CONTROL_HZ
+            track, robot = both_arms(track, rng)
+        yield track, robot, person
 
 
 def both_arms(track: IntentTrack, rng: np.random.Generator) -> tuple[IntentTrack, IntentTrack]:
@@ -139,6 +151,19 @@ def pair_up(
     track: IntentTrack, motion: ReferenceMotion, person: Person, rng: np.random.Generator
 ) -> PairSet:
     """One performance's pairs: acted, warped in time, seen, aligned."""
+    triplet, pose = aligned(track, motion, person, rng)
+    labels = label_motion(track.state, *pose, motion.dt)
+    # A person who was not scanned takes a second to be known; the filter half of one to settle.
+    keep = slice(KNOWN_AFTER, None)
+    labels = {name: x[keep] for name, x in labels.items()}
+    return PairSet.of(triplet[keep], labels, np.zeros(len(triplet[keep]), dtype=np.int64))
+
+
+def aligned(
+    track: IntentTrack, motion: ReferenceMotion, person: Person, rng: np.random.Generator
+) -> tuple[Array, tuple[Array, Array, Array]]:
+    """Triplets (T, 3F) of a person who acts, and the robot's motion of the same periods: base
+    (T, 3) and (T, 4) in the world, joints (T, 12)."""
     performance = play(sig.of_track(track), person, rng, track.task)
     shift = performance.delay_frames
     clip, n = performance.clip, len(track) - shift
@@ -159,17 +184,11 @@ def pair_up(
     triplet = np.concatenate(
         clip_features(seen, known if rng.random() < 0.7 else Calibration()), axis=-1
     )
-    labels = label_motion(
-        track.state,
+    return triplet, (
         _sample(motion.base_pos[:n], at),
         geometry.normalize(_sample(motion.base_quat[:n], at)),
         _sample(motion.joint_pos[:n], at),
-        motion.dt,
     )
-    # A person who was not scanned takes a second to be known; the filter half of one to settle.
-    keep = slice(15, None)
-    labels = {name: x[keep] for name, x in labels.items()}
-    return PairSet.of(triplet[keep], labels, np.zeros(len(at[keep]), dtype=np.int64))
 
 
 def mirrored(pairs: PairSet) -> PairSet:

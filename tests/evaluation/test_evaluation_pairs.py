@@ -6,7 +6,8 @@ import pytest
 from studio.evaluation.pair_methods import SIZES, spread, widened
 from studio.evaluation.pairs import Options, run_pairs, switches
 from studio.evaluation.pairs_report import table
-from studio.retarget.baselines import NearestPair, Ridge, Targets, contact_by_height, unstack
+from studio.retarget.baselines.frames import Targets, unstack
+from studio.retarget.baselines.simple import NearestPair, Ridge, contact_by_height
 from studio.robot import a1, kinematics
 from studio.training.train_mapper import make_pairs
 

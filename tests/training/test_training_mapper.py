@@ -13,7 +13,8 @@ from studio.human.pose import HumanClip
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
 from studio.reference.stances import tilt_of
-from studio.retarget.baselines import Ridge, Targets
+from studio.retarget.baselines.frames import Targets
+from studio.retarget.baselines.simple import Ridge
 from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES, Mapped, Mapper
 from studio.retarget.retargeter import Retargeter

@@ -1,18 +1,14 @@
-"""The simplest honest methods a mapper is compared with: nearest pair, ridge, contact by height.
-
-What every way of mapping frames offers comes first, so that all are planted and scored alike.
-"""
-
-from dataclasses import dataclass
-from typing import Protocol
+"""The simplest honest methods a mapper is compared with: nearest pair, ridge, contact by height."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from studio import geometry
+from studio.reference.intent import StateName
+from studio.reference.stances import NEUTRAL
+from studio.retarget.baselines.frames import Targets, unstack
 from studio.retarget.mapper import NUM_RATES, Mapped
 from studio.retarget.network import clipped_z, z_scores
-from studio.robot import a1, kinematics
+from studio.robot import kinematics
 
 Array = NDArray[np.float64]
 
@@ -20,35 +16,21 @@ THRESHOLD = 0.01
 """m above the lowest foot, up to which `contact_by_height` takes a foot to stand."""
 
 
-class FrameMapper(Protocol):
-    """Maps triplets (N, 3F) to Mapped values with N rows."""
+class StandStill:
+    """The neutral pose of a state, whatever the person does: what doing nothing scores."""
 
-    def __call__(self, triplet: NDArray) -> Mapped: ...
+    def __init__(self, state: StateName) -> None:
+        self._rest = NEUTRAL[state]
 
-
-@dataclass(frozen=True, kw_only=True)
-class Targets:
-    """Labels of N frames: joint_pos (N, 12), base_quat (N, 4), rates (N, 36), contact (N, 4)."""
-
-    joint_pos: NDArray
-    base_quat: NDArray
-    rates: NDArray
-    contact: NDArray
-
-    def stacked(self) -> Array:
-        """(N, 56) float64, one row per frame."""
-        parts = (self.joint_pos, self.base_quat, self.rates, self.contact)
-        return np.concatenate([np.asarray(p, np.float64) for p in parts], axis=1)
-
-
-def unstack(rows: Array) -> Mapped:
-    """Rows (N, 56) as a Mapped: joints held to their limits, quaternions made unit."""
-    return Mapped(
-        joint_pos=np.clip(rows[:, :12], a1.JOINT_LOWER, a1.JOINT_UPPER),
-        base_quat=geometry.normalize(rows[:, 12:16]),
-        rates=rows[:, 16 : 16 + NUM_RATES],
-        contact_prob=np.clip(rows[:, 16 + NUM_RATES :], 0.0, 1.0),
-    )
+    def __call__(self, triplet: NDArray) -> Mapped:
+        """The same for each triplet (N, 3F)."""
+        count, rest = len(triplet), self._rest
+        return Mapped(
+            joint_pos=np.tile(rest.joint_pos, (count, 1)),
+            base_quat=np.tile(rest.base_quat, (count, 1)),
+            rates=np.zeros((count, NUM_RATES)),
+            contact_prob=np.tile(rest.foot_contact, (count, 1)),
+        )
 
 
 class NearestPair:
