@@ -12,12 +12,13 @@ import { drawHealth } from "./health.js";
 import { TickHistory } from "./history.js";
 import { drawControl, startHolding } from "./holding.js";
 import { Keyboard } from "./keys.js";
-import { ControlLine, ticks } from "./net.js";
+import { ControlLine } from "./net.js";
 import { startPad } from "./pad.js";
 import { PaletteDoor } from "./palette-door.js";
 import { PlaceDoor } from "./place-door.js";
 import { PushDoor } from "./push-door.js";
 import { SceneDoor } from "./scene-door.js";
+import { LastingSocket } from "./socket.js";
 import { SourcePanel } from "./source.js";
 import { drawLink, drawStatus } from "./status.js";
 import { Studio } from "./studio.js";
@@ -29,7 +30,7 @@ import { drawMeaning, drawStyle, startVocabulary } from "./vocabulary.js";
 import { cameraPanel } from "./webcam-panel.js";
 import { capital } from "./words.js";
 
-/** @import { State } from "../types/page.js" */
+/** @import { State, Tick } from "../types/page.js" */
 
 const studio = new Studio();
 const { api } = studio;
@@ -186,7 +187,8 @@ function otherTheme() {
 }
 
 // What changes thirty times a second …
-ticks((tick) => {
+/** @param {Tick} tick */
+function drawTick(tick) {
   studio.tick = tick;
   studio.lastTick = performance.now();
   history.add(tick, studio.lastTick);
@@ -200,7 +202,8 @@ ticks((tick) => {
   text($("#state-now"), captions.reference[1]);
   drawMeaning(tick);
   drawUnderWay(tick, source.driving && keyboard.held.includes("W"));
-});
+}
+new LastingSocket("/api/ticks", { heard: drawTick });
 
 // … ten times …
 /** @param {State} state */

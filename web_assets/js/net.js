@@ -1,8 +1,8 @@
-// Talking to the studio: requests that say why they failed, and sockets that come back.
+// Talking to the studio: requests that say why they failed, and the page's own line.
 
 import { stoppedBy } from "./words.js";
 
-/** @import { Answer, Body, PathOf, StateMessage, Tick, Values } from "../types/page.js" */
+/** @import { Answer, Body, PathOf, StateMessage, Values } from "../types/page.js" */
 
 /** `data`: all that the studio answered. */
 export class Refused extends Error {
@@ -119,27 +119,6 @@ export class Api {
   }
 }
 
-/** @param {string} path */
-const socketUrl = (path) =>
-  `${location.protocol === "https:" ? "wss" : "ws"}://${location.host}${path}`;
-
-/** Ticks as they come, over a socket that reconnects by itself. */
-export function ticks(/** @type {(tick: Tick) => void} */ onTick) {
-  let wait = 250;
-  const open = () => {
-    const socket = new WebSocket(socketUrl("/api/ticks"));
-    socket.onopen = () => {
-      wait = 250;
-    };
-    socket.onmessage = (event) => onTick(JSON.parse(event.data));
-    socket.onclose = () => {
-      setTimeout(open, wait);
-      wait = Math.min(2000, wait * 2);
-    };
-  };
-  open();
-}
-
 /**
  * The page's own line, kept by a worker (pace.js): twenty heartbeats a second with the keys held
  * down, and the emergency stop, past every request that may be waiting, until it is confirmed.
@@ -178,7 +157,7 @@ export class ControlLine {
       } else if (data.type === "delivered") onDelivered();
     };
     document.addEventListener("visibilitychange", () => this.say());
-    this.#worker.postMessage({ type: "open", url: socketUrl("/api/control") });
+    this.#worker.postMessage({ type: "open" });
   }
 
   /** Beat now, with the keys as they are. */

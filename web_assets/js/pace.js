@@ -1,14 +1,14 @@
 // The page's own line, in a worker: drawing may hold up the page, never the heartbeat. It beats
 // twenty times a second for as long as the page itself answers; a page that hangs is a lost page.
 
+import { LastingSocket } from "./socket.js";
 import { Stops } from "./stops.js";
 
 const HANGS = 5000; // ms without a word from the page
 
 class Line {
-  /** @type {WebSocket | null} */
+  /** @type {LastingSocket | null} */
   #socket = null;
-  #wait = 250;
   #roundTrip = 0;
   #heard = performance.now();
   #said = { keys: [], visible: true };
@@ -18,33 +18,25 @@ class Line {
     confirmed: (ms) => postMessage({ type: "delivered", ms }),
   });
 
-  /** @param {string} url */
-  open(url) {
-    const socket = (this.#socket = new WebSocket(url));
-    socket.onopen = () => {
-      this.#wait = 250;
-      postMessage({ type: "link", link: "up" });
-      this.#stops.reconnected();
-    };
-    socket.onclose = () => {
-      postMessage({ type: "link", link: "down" });
-      setTimeout(() => this.open(url), this.#wait);
-      this.#wait = Math.min(2000, 2 * this.#wait);
-    };
-    socket.onmessage = (event) => {
-      const message = JSON.parse(event.data);
-      if (message.type === "beat") this.#roundTrip = performance.now() - message.sent;
-      else if (message.type === "stopped") {
-        if (message.ok) this.#stops.confirm(message.number);
-      } else postMessage({ ...message, roundTrip: this.#roundTrip });
-    };
+  open() {
+    this.#socket = new LastingSocket("/api/control", {
+      up: () => {
+        postMessage({ type: "link", link: "up" });
+        this.#stops.reconnected();
+      },
+      down: () => postMessage({ type: "link", link: "down" }),
+      heard: (message) => {
+        if (message.type === "beat") this.#roundTrip = performance.now() - message.sent;
+        else if (message.type === "stopped") {
+          if (message.ok) this.#stops.confirm(message.number);
+        } else postMessage({ ...message, roundTrip: this.#roundTrip });
+      },
+    });
   }
 
   /** @param {object} message */
   #send(message) {
-    if (this.#socket?.readyState !== WebSocket.OPEN) return false;
-    this.#socket.send(JSON.stringify(message));
-    return true;
+    return this.#socket?.send(message) ?? false;
   }
 
   beat() {
@@ -58,7 +50,7 @@ class Line {
   hear(data) {
     this.#heard = performance.now();
     if (data.type === "open") {
-      this.open(data.url);
+      this.open();
       setInterval(() => this.beat(), 50);
     } else if (data.type === "said") {
       this.#said = data.said;

@@ -1,5 +1,7 @@
 // What was seen → WS /api/human, as MediaPipe's skeleton: the studio makes a person of it.
 
+import { socketUrl } from "./socket.js";
+
 /** @import { Seen } from "./webcam-framing.js" */
 
 const OLD = 1; // s: the first picture takes a model long, and is no use by then
@@ -30,8 +32,7 @@ export class HumanLink {
   /** A connection of its own for each time that somebody drives: its clock begins anew. */
   open() {
     this.close();
-    const scheme = location.protocol === "https:" ? "wss" : "ws";
-    const socket = (this.#socket = new WebSocket(`${scheme}://${location.host}/api/human`));
+    const socket = (this.#socket = new WebSocket(socketUrl("/api/human")));
     socket.onmessage = ({ data }) => this.hooks.refused(JSON.parse(data).error);
     socket.onclose = () => {
       if (socket === this.#socket) this.hooks.lost();
