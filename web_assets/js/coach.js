@@ -1,8 +1,9 @@
 // The coach over the view: what to act out, the count-down, each step's tick, and what then.
 
-import { $, $button, $input, attempt, el, setStyle, text } from "./dom.js";
+import { $, $$, $button, $input, attempt, el, setStyle, text } from "./dom.js";
 import { coached, passed } from "./coached.js";
 import { Metronome } from "./metronome.js";
+import { Unmeant } from "./unmeant.js";
 import { capital } from "./words.js";
 
 /** @import { Action, Collect } from "../types/page.js" */
@@ -45,6 +46,7 @@ export class Coach {
   #judged = null;
   /** The last whole second of a count-down that was sounded. */
   #second = 0;
+  #unmeant = new Unmeant();
 
   /** @param {Studio} studio @param {(take: string) => void} openReview */
   constructor(studio, openReview) {
@@ -104,6 +106,11 @@ export class Coach {
         ),
       ),
     );
+    const early = (/** @type {MouseEvent} */ event) => {
+      const pointed = event.detail > 0; // Enter and Space are meant for what has the focus
+      if (pointed && this.#unmeant.is(performance.now())) event.stopPropagation();
+    };
+    $("#coach-actions").addEventListener("click", early, true);
   }
 
   /** @param {Action} action */
@@ -169,6 +176,9 @@ export class Coach {
       button.hidden = !phases.includes(phase) && !over;
     }
     $("#coach-review").hidden = !(phase === "review" && take);
+    const actions = $("#coach-actions");
+    const there = shown ? $$("button:not([hidden])", actions).map((node) => node.textContent) : [];
+    actions.classList.toggle("unmeant", this.#unmeant.draw(there.join(), performance.now()));
     this.#judge(phase === "review" ? take : null);
     this.#sound(collect);
     if (phase === "countdown") this.#count(Math.ceil((remaining ?? 0) - 1e-6));
