@@ -30,6 +30,7 @@ from studio.retarget.baselines.simple import NearestPair, Ridge
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, ruled, stem, style_dir
 from studio.takes.names import check_name
+from studio.training.enough import left_out
 from studio.training.machine import commit
 from studio.training.mapper_fit import MapperTraining, fit_expert, score
 from studio.training.mapper_net import MapperNet
@@ -39,8 +40,6 @@ from studio.training.take_pairs import Split, read_pairs, split_pairs
 log = logging.getLogger(__name__)
 Say = Callable[[dict[str, Any]], None]
 
-MIN_PAIRS = 60
-"""Two seconds: with less a state keeps the shipped expert."""
 SCORED = 2000
 """Held-out frames that are scored at most: a search for the nearest pair takes as long as there are
 pairs, for each of them."""
@@ -94,20 +93,15 @@ def _train(config: TakesTraining, say: Say, began: float) -> dict[str, Any]:
     found = read_pairs(config.sessions, config.takes, config.dataset, config.style, walk=walk)
     name = check_name(config.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}", "mapper")
     out = Path(config.sessions) / "mappers" / name
-    splits: dict[StateName, Split] = {
-        s: split_pairs(found.by_take(s))
-        for s in config.states
-        if found.count(s) and not ruled(s, config.style)
-    }
+    counts = {s: found.count(s) for s in config.states}
+    without = left_out(found.counts, config.states, config.style)
     enough: dict[StateName, Split] = {
-        s: split for s, split in splits.items() if len(split.known) >= MIN_PAIRS
+        s: split_pairs(found.by_take(s)) for s in config.states if s not in without
     }
     if not enough:
-        counts = ", ".join(f"{s} {found.count(s)}" for s in config.states)
-        raise StudioError(
-            f"too few pairs to train on ({counts}; {MIN_PAIRS} are needed): collect more takes"
-        )
-    say({"event": "pairs", "name": name, "counts": {s: found.count(s) for s in config.states}})
+        why = "; ".join(f"{s}: {reason}" for s, reason in without.items())
+        raise StudioError(f"too few pairs to train on ({why}): collect more takes")
+    say({"event": "pairs", "name": name, "counts": counts, "left_out": without})
     experts: dict[str, Any] = {}
     tensors: dict[str, Mapping[str, Any]] = {}
     for state, split in enough.items():
@@ -120,6 +114,7 @@ def _train(config: TakesTraining, say: Say, began: float) -> dict[str, Any]:
         "takes": list(found.takes),
         "states": list(enough),
         "experts": experts,
+        "left_out": without,
         "seconds": round(time.perf_counter() - began, 1),
         "commit": commit(),
         "config": json.loads(

@@ -14,10 +14,8 @@ from studio.reference.intent import STATES
 from studio.takes.dataset import datasets
 from studio.takes.dataset.datasets import DataSet
 from studio.takes.session_library import SessionLibrary
+from studio.training.enough import Counts, held_takes, learnt_of
 from studio.training.operator_pairs import PairSet
-
-HELD_OUT = 0.2
-"""Share of a state's pairs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +29,11 @@ class TakePairs:
     def by_take(self, state: str) -> Mapping[str, PairSet]:
         """A state's pairs per take."""
         return self.parts.get(state, {})
+
+    @property
+    def counts(self) -> Counts:
+        """How many pairs, by state and take."""
+        return {s: {t: len(pairs) for t, pairs in of.items()} for s, of in self.parts.items()}
 
     def count(self, state: str) -> int:
         """How many pairs a state has."""
@@ -101,8 +104,7 @@ def split_pairs(parts: Mapping[str, PairSet]) -> Split:
     Whole takes are the harder test: another motion, not the rest of one that was learnt.
     """
     names = sorted(parts)
-    if len(names) >= 5:
-        last = max(1, round(HELD_OUT * len(names)))
+    if last := held_takes(len(names)):
         known, held = names[:-last], names[-last:]
         return Split(
             known=PairSet.join([parts[n] for n in known]),
@@ -112,7 +114,7 @@ def split_pairs(parts: Mapping[str, PairSet]) -> Split:
         )
     first, second = [], []
     for name in names:
-        cut = round((1.0 - HELD_OUT) * len(parts[name]))
+        cut = learnt_of(len(parts[name]))
         rows = np.arange(len(parts[name]))
         first.append(parts[name].take(rows[:cut]))
         second.append(parts[name].take(rows[cut:]))

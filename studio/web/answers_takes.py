@@ -201,14 +201,20 @@ class StateProgress(TypedDict):
     result: NotRequired[StateScores]
 
 
-class Training(TypedDict):
-    """The last training. counts: pairs per state. seconds: since it began."""
+class PairCounts(TypedDict):
+    """counts: pairs per state. left_out: {state: why there is too little to train it}."""
+
+    counts: dict[str, int]
+    left_out: dict[str, str]
+
+
+class Training(PairCounts):
+    """The last training. seconds: since it began."""
 
     name: str
     status: Literal["running", "done", "failed", "cancelled"]
     event: str
     seconds: float
-    counts: dict[str, int]
     states: dict[str, StateProgress]
     why: str
 

@@ -6,28 +6,34 @@ from typing import Any, Literal
 from fastapi import APIRouter
 from pydantic import Field, StrictBool, StrictInt
 
-from studio.errors import StudioError
+from studio.errors import StudioError, unknown_name
 from studio.live.command import Body
 from studio.live.mappers import list_mappers, mapper_folder
 from studio.options import STYLES
 from studio.reference.intent import STATES
 from studio.takes.as_json import plain
 from studio.takes.dataset import datasets
+from studio.takes.dataset.known_counts import KnownCounts
 from studio.takes.session_library import SessionLibrary
+from studio.training.enough import left_out
 from studio.web.answers import answers
-from studio.web.answers_takes import DataSet, TrainedMapper, Training
+from studio.web.answers_takes import DataSet, PairCounts, TrainedMapper, Training
 from studio.web.hub import Hub, OffThread
 from studio.web.train_jobs import TrainJobs
 
 
-class TrainBody(Body):
-    """Which takes, or which data set version; which states and style. start: go on from the
-    shipped experts, or from scratch."""
+class FromBody(Body):
+    """Which takes to learn from, or which data set version, and the style of walking."""
 
     takes: list[str] = Field(default=[], max_length=10_000)
     dataset: str | None = Field(default=None, max_length=120)
-    states: list[str] = Field(default=list(STATES), min_length=1)
     style: str = "march"
+
+
+class TrainBody(FromBody):
+    """Which states to train as well. start: go on from the shipped experts, or from scratch."""
+
+    states: list[str] = Field(default=list(STATES), min_length=1)
     name: str | None = Field(default=None, max_length=120)
     start: Literal["shipped", "scratch"] = "shipped"
     mirror: StrictBool = True
@@ -40,6 +46,7 @@ def train_router(hub: Hub) -> APIRouter:
     jobs = TrainJobs(hub.sessions, hub.scratch)
     hub.at_close.append(jobs.close)
     library = SessionLibrary(hub.sessions)
+    known = KnownCounts(library)
 
     off_thread = OffThread(hub.workers, 409)
 
@@ -64,6 +71,26 @@ def train_router(hub: Hub) -> APIRouter:
         options = [*source, "--states", *body.states, "--style", body.style]
         options += ["--start", body.start, "--steps", str(body.steps)]
         return name, [*options, "--mirror" if body.mirror else "--no-mirror"]
+
+    def counted(body: FromBody) -> dict[str, Any]:
+        if body.dataset is None:
+            takes = {name: known.of(name) for name in body.takes}
+        else:
+            made = {m["version"]: m for m in datasets.versions(hub.sessions)}
+            if body.dataset not in made:
+                raise unknown_name("data set version", body.dataset, made)
+            takes = {row["name"]: row["by_state"] for row in made[body.dataset]["takes"]}
+        by_state = {s: {name: counts[s] for name, counts in takes.items()} for s in STATES}
+        return {
+            "counts": {s: sum(of.values()) for s, of in by_state.items()},
+            "left_out": left_out(by_state, STATES, body.style),
+        }
+
+    @router.post("/train/pairs", **answers(PairCounts, 422))
+    async def pairs(body: FromBody) -> dict[str, Any]:
+        """How many pairs there are of each state, and of which there are too few: before a
+        training. A lag that is only proposed may take some away at a take's ends."""
+        return await off_thread(lambda: counted(body), status=422)
 
     @router.post("/train", **answers(Training, 409, 422))
     async def train(body: TrainBody) -> dict[str, Any]:

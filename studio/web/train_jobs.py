@@ -48,11 +48,12 @@ class Job:
         events = read_events(self.progress)
         states: dict[str, dict[str, Any]] = {}
         counts: dict[str, int] = {}
+        without: dict[str, str] = {}
         last: dict[str, Any] = {}
         for event in events:
             last = event
             if event["event"] == "pairs":
-                counts = event["counts"]
+                counts, without = event["counts"], event["left_out"]
             if event["event"] == "loss":
                 row = states.setdefault(event["state"], {"curve": []})
                 row["step"], row["steps"] = event["step"], event["steps"]
@@ -70,6 +71,7 @@ class Job:
             "event": last.get("event", "starting"),
             "seconds": last.get("t", 0.0),
             "counts": counts,
+            "left_out": without,
             "states": states,
             "why": " ".join(why.split()),
         }

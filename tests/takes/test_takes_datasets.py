@@ -16,6 +16,7 @@ from studio.human.features import clip_features
 from studio.human.pose import HumanClip
 from studio.reference.intent import STATES
 from studio.takes.dataset import datasets, pairs
+from studio.takes.dataset.known_counts import KnownCounts
 from studio.takes.session_library import SessionLibrary
 from studio.takes.take import read_take
 from studio.training.take_pairs import read_pairs
@@ -57,6 +58,19 @@ def test_pairs_are_the_live_features_of_the_person_at_t_plus_lag(library: Sessio
     np.testing.assert_allclose(
         found.values["joint_pos"], take.arrays.reference["joint_pos"][found.tick], atol=1e-6
     )
+
+
+def test_pairs_are_counted_without_being_made(library: SessionLibrary):
+    counts = KnownCounts(library)
+    for name, state in (("tilt", "stand"), ("walk", "walk"), ("sit_manipulate", "sit")):
+        library.edit(name, lag=0.4)
+        found = pairs.take_pairs(library, name)
+        assert len(found) > 60
+        assert counts.of(name) == dict.fromkeys(STATES, 0) | {state: len(found)}
+    library.edit("tilt", trim=(0.0, 2.0))
+    assert counts.of("tilt")["stand"] == len(pairs.take_pairs(library, "tilt")) == 60 - pairs.SETTLE
+    library.edit("tilt", keep=False)
+    assert counts.of("tilt")["stand"] == 0
 
 
 def test_rates_are_backward_differences_over_three_frames(library: SessionLibrary):

@@ -13,9 +13,11 @@ from studio.live import commands as c
 from studio.live.loop import LiveLoop
 from studio.live.runtime import Runtime, RuntimeConfig
 from studio.live.shown_motion import PlanItem
+from studio.reference.intent import STATES
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import load_experts, read_experts
 from studio.training.collected import TakesTraining, run_train_takes
+from studio.training.enough import learnt, left_out
 from studio.training.mapper_net import MapperNet
 from studio.training.take_pairs import read_pairs, split_pairs
 
@@ -116,6 +118,34 @@ def test_too_little_to_learn_from_is_said(collected):
         run_train_takes(TakesTraining(takes=names, sessions=root, states=("walk",)))
     with pytest.raises(StudioError, match="unknown take"):
         run_train_takes(TakesTraining(takes=("nobody",), sessions=root))
+
+
+def test_which_states_are_not_trained_is_said_before_and_by_the_training(collected, tmp_path):
+    root, names = collected
+    found = read_pairs(root, names)
+    without = left_out(found.counts, STATES, "march")
+    assert without == {"walk": "no take shows it", "sit": "no take shows it"}
+    assert left_out(found.counts, ("walk",), "semantic") == {
+        "walk": "read by rule in style semantic"
+    }
+    progress = tmp_path / "progress.jsonl"
+    config = TakesTraining(takes=names, sessions=root, name="told", steps=20, progress=progress)
+    assert run_train_takes(config)["left_out"] == without
+    pairs = json.loads(progress.read_text().splitlines()[1])
+    assert pairs["counts"] == {"stand": found.count("stand"), "walk": 0, "sit": 0}
+    assert pairs["left_out"] == without
+
+
+@pytest.mark.parametrize("takes", [1, 4, 5, 10])
+def test_how_much_is_learnt_from_is_known_before_it_is_split(collected, takes: int):
+    root, names = collected
+    one = next(iter(read_pairs(root, names).by_take("stand").values()))
+    cut = {f"{i:02}": one.take(np.arange(len(one) - i)) for i in range(takes)}
+    known = len(split_pairs(cut).known)
+    assert learnt({name: len(pairs) for name, pairs in cut.items()}) == known
+    few = {"stand": {"a": 74}}
+    assert left_out(few, ("stand",), "march") == {"stand": "59 pairs to learn from, 60 are needed"}
+    assert left_out({"stand": {"a": 75}}, ("stand",), "march") == {}
 
 
 def test_whole_takes_are_held_out_where_there_are_five(collected):

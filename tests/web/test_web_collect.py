@@ -163,7 +163,12 @@ def test_takes_train_a_mapper_that_is_swapped_in_compared_and_rolled_back(collec
     client = collecting.client
     names = collect(collecting, items=[{**QUICK, "takes": 2, "seconds": 3.0}])
     assert len(names) == 2
-    body = {"takes": names, "states": ["stand"], "name": f"t{int(time.time())}", "steps": 60}
+    told = client.post("/api/train/pairs", json={"takes": names}).json()
+    assert told["counts"]["stand"] > 100
+    assert set(told["left_out"]) == {"walk", "sit"}
+    assert client.post("/api/train/pairs", json={"takes": ["nobody"]}).status_code == 422
+    assert client.post("/api/train/pairs", json={"dataset": "none"}).status_code == 422
+    body = {"takes": names, "name": f"t{int(time.time())}", "steps": 60}
     assert client.post("/api/train", json=body).status_code == 200
     assert client.post("/api/train", json={**body, "name": "two"}).status_code == 409
     deadline = time.monotonic() + PATIENCE
@@ -171,11 +176,18 @@ def test_takes_train_a_mapper_that_is_swapped_in_compared_and_rolled_back(collec
         assert time.monotonic() < deadline, job
         time.sleep(0.2)
     assert job["status"] == "done", job["why"]
+    assert list(job["states"]) == ["stand"]
+    assert job["left_out"] == told["left_out"]
     result = job["states"]["stand"]["result"]
     assert set(result["scores"]) == {"yours", "nearest_pair", "ridge", "shipped"}
     assert len(job["states"]["stand"]["curve"]) == 3  # 60 steps, twenty apart
     (about,) = [m for m in client.get("/api/mappers").json() if m["name"] == body["name"]]
     assert about["takes"] == names
+    assert about["left_out"] == told["left_out"]
+    version = {"dataset": about["dataset"]}
+    of = client.post("/api/train/pairs", json=version).json()
+    assert of["counts"] == job["counts"]
+    assert of["left_out"] == told["left_out"]
 
     state = client.post("/api/mapper", json={"name": body["name"]}).json()
     assert state["mapper"] == {"name": body["name"], "style": "march", "before": "shipped"}

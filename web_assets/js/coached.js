@@ -1,6 +1,6 @@
 // What the coach says, and how far it is.
 
-import { capital, spoken } from "./words.js";
+import { capital, counted, spoken } from "./words.js";
 
 /** @import { Collect } from "../types/page.js" */
 
@@ -13,7 +13,7 @@ import { capital, spoken } from "./words.js";
 export function coached({ phase, task, state, prompt, done, total, kept }) {
   if (phase === "done")
     return {
-      task: `${kept.length} takes kept`,
+      task: `${counted(kept.length, "take")} kept`,
       of: "",
       prompt: "Review them below, or train a mapper of your own.",
     };

@@ -1,7 +1,7 @@
 // The takes collected so far: found by words, ticked to be learnt from, opened for review.
 
 import { $, $input, el, text } from "./dom.js";
-import { search, spoken } from "./words.js";
+import { counted, search, spoken } from "./words.js";
 
 /** @import { Take } from "../types/page.js" */
 /** @import { Studio } from "./studio.js" */
@@ -87,7 +87,7 @@ export class Collected {
     const sessions = await api.get("/api/collect/sessions").catch(() => []);
     const lines = sessions.slice(0, SESSIONS).map(({ operator, day, takes, notes }) => {
       const note = notes ? ` — ${notes}` : "";
-      return `${operator}, ${day}: ${takes.length} takes${note}`;
+      return `${operator}, ${day}: ${counted(takes.length, "take")}${note}`;
     });
     text($("#collect-sessions"), lines.join(" · "));
   }

@@ -1,7 +1,7 @@
 // The mappers trained here: which drives, another in its place, A/B and back.
 
 import { $, $button, attempt, el, text, toast } from "./dom.js";
-import { capital } from "./words.js";
+import { capital, counted } from "./words.js";
 
 /** @import { State } from "../types/page.js" */
 /** @import { Studio } from "./studio.js" */
@@ -33,7 +33,7 @@ export class MappersPanel {
     $("#mapper").hidden = !found.length;
     $("#mappers").replaceChildren(
       ...found.reverse().map(({ name, made, states, takes, style }) => {
-        const about = `${states.join(", ")} · ${takes.length} takes · ${style}`;
+        const about = `${states.join(", ")} · ${counted(takes.length, "take")} · ${style}`;
         return this.#row(name, name, about, made);
       }),
       this.#row("shipped", "Shipped", "trained on many synthetic people"),

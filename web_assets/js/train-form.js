@@ -29,6 +29,7 @@ export function form() {
         ),
       ),
     ),
+    el("ul", { class: "note", id: "train-pairs", "aria-label": "What there is to learn from" }),
     el(
       "div",
       { class: "row" },
@@ -67,8 +68,8 @@ export function form() {
       { class: "row" },
       el("button", { class: "main", id: "train-go" }, "Train"),
       el("button", { id: "train-cancel", hidden: true }, "Cancel"),
-      el("span", { class: "note", id: "train-says", role: "status" }),
     ),
+    el("p", { class: "note", id: "train-says", role: "status" }),
     el("canvas", {
       class: "loss",
       id: "loss",

@@ -21,18 +21,31 @@ const OFTEN = 400; // ms between two looks at a training
 const OFFERED = 12; // data sets
 
 /**
+ * Which states are not trained, and why, in a few words; "" where all are.
+ *
+ * @param {Record<string, string>} left_out
+ */
+export function untrained(left_out) {
+  const whys = [...new Set(Object.values(left_out))];
+  const states = (/** @type {string} */ why) =>
+    Object.keys(left_out).filter((state) => left_out[state] === why);
+  return whys.map((why) => `${states(why).join(", ")} not trained: ${why}`).join(" · ");
+}
+
+/**
  * One line on how a training goes.
  *
- * @param {Pick<Training, "status" | "why" | "name" | "states">} job
+ * @param {Pick<Training, "status" | "why" | "name" | "states" | "left_out">} job
  */
-export function progress({ status, why, name, states }) {
+export function progress({ status, why, name, states, left_out }) {
   if (status === "failed") return capital(why);
   if (status === "cancelled") return "Cancelled";
-  if (status === "done") return `Trained ${name}`;
   const steps = Object.entries(states).flatMap(([state, { step, steps }]) =>
     steps ? [`${state} ${Math.round((100 * (step ?? 0)) / steps)} %`] : [],
   );
-  return steps.join(" · ") || "reading takes …";
+  const now = steps.join(" · ") || "reading takes …";
+  const first = status === "done" ? `Trained ${name}: ${Object.keys(states).join(", ")}` : now;
+  return [first, untrained(left_out)].filter(Boolean).join(" · ");
 }
 
 /** A mapper's name as it may be, of what somebody typed. @param {string} typed */
@@ -47,6 +60,8 @@ export class TrainPanel {
   #timer;
   /** @type {string | null} */
   #style = null;
+  /** Looks at what there is to learn from, so that only the last one is shown. */
+  #looks = 0;
 
   /** @param {Studio} studio @param {() => void} trained called when a mapper was made */
   constructor(studio, trained) {
@@ -57,7 +72,10 @@ export class TrainPanel {
     $("#train-cancel").addEventListener("click", () =>
       attempt(async () => this.#draw(await studio.api.post("/api/train/cancel"))),
     );
-    $("#train-from").addEventListener("change", () => this.#ready());
+    $("#train-body").addEventListener("change", () => {
+      this.#ready();
+      this.#look();
+    });
     studio.api.get("/api/train").then(
       (job) => {
         if (job) this.#watch(job);
@@ -77,6 +95,34 @@ export class TrainPanel {
         : "Tick takes above to learn from them",
     );
     this.#ready();
+    this.#look();
+  }
+
+  /** What there is to learn from. */
+  get #from() {
+    const dataset = $select("#train-from").value;
+    const style = $select("#train-style").value;
+    return { ...(dataset ? { dataset } : { takes: this.#takes }), style };
+  }
+
+  get #states() {
+    const boxes = $$("#train-body .states input:checked");
+    return boxes.map((box) => /** @type {HTMLInputElement} */ (box).value);
+  }
+
+  /** Say of each chosen state how much there is of it, or why it would not be trained. */
+  async #look() {
+    const look = ++this.#looks;
+    const some = this.studio.collecting && !$button("#train-go").disabled;
+    const ask = () => this.studio.api.post("/api/train/pairs", this.#from).catch(() => null);
+    const found = some ? await ask() : null;
+    if (look !== this.#looks) return;
+    const row = (/** @type {string} */ state) => {
+      const why = found?.left_out[state];
+      const says = why ? `not trained: ${why}` : counted(found?.counts[state] ?? 0, "pair");
+      return el("li", { class: why ? "without" : "" }, el("b", {}, capital(state)), says);
+    };
+    $("#train-pairs").replaceChildren(...(found ? this.#states.map(row) : []));
   }
 
   #ready() {
@@ -103,19 +149,16 @@ export class TrainPanel {
   }
 
   async #train() {
-    const boxes = $$("#train-body .states input:checked");
-    const states = boxes.map((box) => /** @type {HTMLInputElement} */ (box).value);
+    const states = this.#states;
     if (!states.length) {
       toast("Choose at least one state");
       return;
     }
-    const dataset = $select("#train-from").value;
     const name = fitName($input("#train-name").value);
     const job = await this.studio.api.post("/api/train", {
-      ...(dataset ? { dataset } : { takes: this.#takes }),
+      ...this.#from,
       ...(name ? { name } : {}),
       states,
-      style: $select("#train-style").value,
       start: /** @type {"shipped" | "scratch"} */ ($select("#train-start").value),
       steps: +$input("#train-steps").value || 0,
     });
@@ -136,11 +179,13 @@ export class TrainPanel {
   }
 
   /** @param {Training} job */
-  #done({ name, seconds }) {
-    toast(`${name} is trained in ${seconds.toFixed(0)} s`, "good");
+  #done({ name, seconds, left_out }) {
+    const without = untrained(left_out);
+    toast(`${name} is trained in ${seconds.toFixed(0)} s${without && `; ${without}`}`, "good");
     $input("#train-name").value = "";
     this.trained();
     this.#offerDataSets();
+    this.#look();
   }
 
   /** @param {Training} job */
@@ -159,7 +204,9 @@ export class TrainPanel {
 
   /** What is acted out now is what is learnt. @param {Style} style */
   follow(style) {
-    if (style !== this.#style) $select("#train-style").value = this.#style = style;
+    if (style === this.#style) return;
+    $select("#train-style").value = this.#style = style;
+    this.#look();
   }
 }
 

@@ -30,7 +30,7 @@ test("the coach says what to do in each phase", () => {
   assert.equal(coached(walk).prompt, "Lean. Stand quietly until it moves.");
   assert.equal(say("record").prompt, "Lean");
   assert.deepEqual(say("done"), {
-    task: "1 takes kept",
+    task: "1 take kept",
     of: "",
     prompt: "Review them below, or train a mapper of your own.",
   });

@@ -1124,6 +1124,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/train/pairs": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Pairs
+         * @description How many pairs there are of each state, and of which there are too few: before a
+         *     training. A lag that is only proposed may take some away at a take's ends.
+         */
+        post: operations["pairs_api_train_pairs_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/train": {
         parameters: {
             query?: never;
@@ -1876,6 +1897,24 @@ export interface components {
             moving: boolean;
         };
         /**
+         * FromBody
+         * @description Which takes to learn from, or which data set version, and the style of walking.
+         */
+        FromBody: {
+            /**
+             * Takes
+             * @default []
+             */
+            takes?: string[];
+            /** Dataset */
+            dataset?: string | null;
+            /**
+             * Style
+             * @default march
+             */
+            style?: string;
+        };
+        /**
          * Health
          * @description why: what is not as it should be, where it is degraded.
          */
@@ -2092,6 +2131,20 @@ export interface components {
         NotesBody: {
             /** Notes */
             notes: string;
+        };
+        /**
+         * PairCounts
+         * @description counts: pairs per state. left_out: {state: why there is too little to train it}.
+         */
+        PairCounts: {
+            /** Counts */
+            counts: {
+                [key: string]: number;
+            };
+            /** Left Out */
+            left_out: {
+                [key: string]: string;
+            };
         };
         /**
          * PhoneBody
@@ -3052,8 +3105,7 @@ export interface components {
         };
         /**
          * TrainBody
-         * @description Which takes, or which data set version; which states and style. start: go on from the
-         *     shipped experts, or from scratch.
+         * @description Which states to train as well. start: go on from the shipped experts, or from scratch.
          */
         TrainBody: {
             /**
@@ -3064,6 +3116,11 @@ export interface components {
             /** Dataset */
             dataset?: string | null;
             /**
+             * Style
+             * @default march
+             */
+            style?: string;
+            /**
              * States
              * @default [
              *       "stand",
@@ -3072,11 +3129,6 @@ export interface components {
              *     ]
              */
             states?: string[];
-            /**
-             * Style
-             * @default march
-             */
-            style?: string;
             /** Name */
             name?: string | null;
             /**
@@ -3117,9 +3169,17 @@ export interface components {
         };
         /**
          * Training
-         * @description The last training. counts: pairs per state. seconds: since it began.
+         * @description The last training. seconds: since it began.
          */
         Training: {
+            /** Counts */
+            counts: {
+                [key: string]: number;
+            };
+            /** Left Out */
+            left_out: {
+                [key: string]: string;
+            };
             /** Name */
             name: string;
             /**
@@ -3131,10 +3191,6 @@ export interface components {
             event: string;
             /** Seconds */
             seconds: number;
-            /** Counts */
-            counts: {
-                [key: string]: number;
-            };
             /** States */
             states: {
                 [key: string]: components["schemas"]["StateProgress"];
@@ -5428,6 +5484,39 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Scenes"];
+                };
+            };
+        };
+    };
+    pairs_api_train_pairs_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["FromBody"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["PairCounts"];
+                };
+            };
+            /** @description it does not fit, or cannot be used: see `why` */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
                 };
             };
         };

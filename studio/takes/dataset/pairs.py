@@ -74,12 +74,10 @@ def take_pairs(library: SessionLibrary, name: str, known: tuple[Edits, str] | No
     """
     table, meta = columns(library.folder(name)), _meta(library, name)
     edits, aligned = settled(library, name) if known is None else known
-    keep = edited.kept(len(table), edits) & (edits.keep is not False)
-    at = edited.human_rows(np.arange(len(table)), edits)
-    keep &= (at >= 0.0) & (at <= len(table) - 1)  # beyond the tape nobody is there to learn from
-    of = states_of(table, meta.get("about") or {})
-    parts = [_stretch(table, edits, a, b, of[a]) for a, b in stretches(of, _seen(table, at))]
-    rows = [keep[tick] for tick, _, _ in parts]
+    parts, rows = [], []
+    for start, end, state, use in _used(table, edits, meta):
+        parts.append(_stretch(table, edits, start, end, state))
+        rows.append(use)
     label = edits.label if edits.label is not None else str(meta.get("label", ""))
 
     def joined(key: str) -> Array32:
@@ -97,6 +95,16 @@ def take_pairs(library: SessionLibrary, name: str, known: tuple[Edits, str] | No
         lag=edits.lag or 0.0,
         aligned=aligned,
     )
+
+
+def pair_counts(library: SessionLibrary, name: str) -> dict[str, int]:
+    """How many pairs of each state a take has, without making them: `take_pairs`' own, but for what
+    a lag that is only proposed takes away at its ends. Raises StudioError as that does."""
+    folder = library.folder(name)
+    out: dict[str, int] = {**dict.fromkeys(STATES, 0)}
+    for _, _, state, use in _used(columns(folder), read_edits(folder).edits, _meta(library, name)):
+        out[state] += int(use.sum())
+    return out
 
 
 def why_none(library: SessionLibrary, name: str) -> str:
@@ -172,6 +180,18 @@ def stretches(state: NDArray[np.str_], usable: NDArray[np.bool_]) -> list[tuple[
     edge = np.flatnonzero((usable[1:] != usable[:-1]) | (state[1:] != state[:-1])) + 1
     bounds = [0, *edge.tolist(), len(state)]
     return [(a, b) for a, b in pairwise(bounds) if b - a >= LEAST and usable[a]]
+
+
+def _used(
+    table: Columns, edits: Edits, meta: Mapping[str, Any]
+) -> list[tuple[int, int, str, NDArray[np.bool_]]]:
+    """(start, end, state, which ticks from start + SETTLE on are pairs) of each stretch."""
+    at = edited.human_rows(np.arange(len(table)), edits)
+    keep = edited.kept(len(table), edits) & (edits.keep is not False)
+    keep &= (at >= 0.0) & (at <= len(table) - 1)  # beyond the tape nobody is there to learn from
+    of = states_of(table, meta.get("about") or {})
+    found = stretches(of, _seen(table, at))
+    return [(a, b, str(of[a]), keep[a + SETTLE : b]) for a, b in found]
 
 
 def _seen(table: Columns, at: Array) -> NDArray[np.bool_]:
