@@ -86,6 +86,10 @@ class DriveConfig(RobotOptions):
     """Stay in one state, or let the selector decide."""
     style: Style = "march"
     """Which human motion means walking."""
+    mapper: str = "expert"
+    """What maps the person: expert, a rival (stand_still, nearest_pair, ridge, kim2020,
+    dontcheva2003, yamane2010, seol2013, gmr), fitted at the start, or FILE.py:Class of your own
+    (docs/mapper_plugin.py)."""
     controller: ControllerName | None = None
     """What turns the reference into an action (default: policy once trained)."""
     scene: SceneName = "empty"

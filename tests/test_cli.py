@@ -86,7 +86,7 @@ def test_the_choices_that_help_lists_are_those_that_there_are():
         ["evaluate"],
         ["evaluate", "nothing"],
         ["evaluate", "nothing", "--json", "-"],
-        ["evaluate", "baselines"],  # not built
+        ["evaluate", "latency"],  # not built
         ["evaluate", "tilt", "--style", "circles"],
         ["evaluate", "endurance", "--clips", "."],
         ["evaluate", "people"],

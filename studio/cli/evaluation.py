@@ -41,7 +41,13 @@ def evaluate(argv: Sequence[str]) -> Answer:
 
 
 def report(argv: Sequence[str]) -> Answer:
-    """`report`: one page of what evaluate has made; `report pairs`: the mapper's table of seeds."""
+    """`report`: one page of what evaluate has made; `report pairs`: the mapper's table of seeds;
+    `report baselines`: the rivals' page."""
+    if argv[:1] == ["baselines"]:
+        from studio.evaluation import baselines_report
+
+        page = tyro.cli(baselines_report.Report, prog="a1-studio report baselines", args=argv[1:])
+        return baselines_report.report(page)
     if argv[:1] == ["pairs"]:
         from studio.evaluation import pairs_report
 

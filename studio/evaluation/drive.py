@@ -17,6 +17,7 @@ from studio.retarget.settings import joint_speed
 from studio.sources import Source, open_source, usages
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
+from studio.training.rivals import OURS, open_mapper
 
 TOUR_SECONDS = 40.0
 """How long an endless operator is followed if nothing else is said: one tour of every task."""
@@ -60,6 +61,8 @@ def run_drive(
             link := open_link(config.robot, config.robot_level, config.robot_secret),
         )
         stack.callback(puppeteer.link.close)
+        if config.mapper != OURS:
+            puppeteer.set_experts(open_mapper(config.mapper, config.style, config.state))
         stood_up(puppeteer)
         report = DriveReport()
         sinks: list[Callable[[Tick], None]] = [report.add]
@@ -71,7 +74,7 @@ def run_drive(
             recorder = Recorder(config.sessions)
             stack.callback(recorder.close)
             about = {"source": config.source, "seed": config.seed}
-            about |= {"style": config.style, "scene": config.scene}
+            about |= {"style": config.style, "scene": config.scene, "mapper": config.mapper}
             taken = recorder.start("drive", about=about)
             sinks.append(recorder.append)
         paced = config.realtime or link is not None  # any other robot has a clock of its own

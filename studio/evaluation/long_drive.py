@@ -26,6 +26,7 @@ from studio.options import PAPER_JOINT_SPEED_DEG, ControllerName
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import STATES, StateName
 from studio.retarget.settings import joint_speed
+from studio.retarget.store import Experts
 from studio.rl.noise import NoiseConfig
 from studio.robot.a1 import CONTROL_DT
 from studio.sim import randomize
@@ -76,13 +77,15 @@ class Run:
     made: tuple[float, ...]
 
 
-def endure(case: Case, seed: int) -> Run:
-    """One person, drawn from `seed`, drives for `case.seconds`."""
+def endure(case: Case, seed: int, experts: Experts | None = None) -> Run:
+    """One person, drawn from `seed`, drives for `case.seconds`; experts: None for the shipped."""
     source = sent_by(case.sensor, case.source, seed)
     config = PuppeteerConfig(
         controller=case.controller, seed=seed, joint_speed=joint_speed(case.max_joint_speed)
     )
     puppeteer = met(source, config)
+    if experts is not None:
+        puppeteer.set_experts(experts)
     puppeteer.controller = _controller(case, seed)
     if case.dynamics == "table_i":
         links = int(np.count_nonzero(puppeteer.stage.world.model.body_mass > 0.0))

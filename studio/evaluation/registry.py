@@ -33,6 +33,7 @@ TABLES = {
     "composite": "who completes the scenes, step by step",
     "response": "how late the robot does what a person does, stage by stage",
     "pairs": "the mapper beside simpler ones, by number of pairs",
+    "baselines": "the mapper beside the paper's rivals: errors, time, pairs, what the policy makes",
     "people": "real clips that nothing was trained on (needs --clips)",
     "operator_statistics": "the synthetic operator's ranges beside real ones (needs --clips)",
 }
