@@ -60,14 +60,14 @@ export class Arrow {
     for (const [name, value] of Object.entries(ends)) this.#way.setAttribute(name, `${value}`);
     this.#arrow.setAttribute("points", corners(from, to).join(" "));
     this.#ring.setAttribute("points", ring.join(" "));
-    const stage = $(".stage");
+    const sight = $(".sight");
     // Beyond the tip; where there is no room, on its other side.
-    const back = on[0] < from[0] - 1 ? on[0] > ROOM : on[0] > stage.clientWidth - ROOM;
+    const back = on[0] < from[0] - 1 ? on[0] > ROOM : on[0] > sight.clientWidth - ROOM;
     this.#word.setAttribute("text-anchor", back ? "end" : "start");
     this.#word.setAttribute("x", `${on[0] + (back ? -ASIDE : ASIDE)}`);
     this.#word.setAttribute("y", `${Math.max(18, on[1] - ASIDE / 2)}`);
     text(this.#word, word);
-    if (!this.#svg.parentNode) stage.append(this.#svg);
+    if (!this.#svg.parentNode) sight.append(this.#svg);
   }
 
   remove() {

@@ -66,6 +66,9 @@ export class Coach {
         title,
         el("kbd", {}, key),
       );
+    $(".sight").append(
+      el("div", { class: "count", id: "count", hidden: true, "aria-hidden": "true" }),
+    );
     $(".stage").append(
       el(
         "div",
@@ -88,7 +91,6 @@ export class Coach {
         el("p", { class: "quality", hidden: true }, el("b"), el("span")),
         el("p", { class: "why" }),
       ),
-      el("div", { class: "count", id: "count", hidden: true, "aria-hidden": "true" }),
       el(
         "div",
         { class: "coach-actions", id: "coach-actions", hidden: true },

@@ -3,7 +3,7 @@
 import { Coach } from "./coach.js";
 import { Collected } from "./collected.js";
 import { drawMap } from "./datamap.js";
-import { $, el, text } from "./dom.js";
+import { $, el, text, toView } from "./dom.js";
 import { libraryButton } from "./doors.js";
 import { Importer } from "./imports.js";
 import { MappersPanel } from "./mappers.js";
@@ -86,6 +86,7 @@ export class CollectPanels {
     const last = this.#last;
     this.#last = { on, phase, done };
     if (on && !last.on) $("#panels").scrollTop = 0; // where its own begin
+    if (on && phase !== last.phase) toView();
     if (on && (!last.on || phase !== last.phase || done !== last.done)) {
       this.collected.refresh();
       if (phase !== "record" && phase !== "countdown") this.#map();

@@ -47,6 +47,9 @@ export function hears(selector) {
 export const openDialog = () =>
   /** @type {HTMLDialogElement | null} */ (document.querySelector("dialog[open]"));
 
+/** On a phone what is beside the view elsewhere is below it: back to where it is seen. */
+export const toView = () => $("main").scrollTo(0, 0);
+
 /** Close it, unless it has something else to leave first. @param {HTMLDialogElement} dialog */
 export function leave(dialog) {
   if (dialog.dispatchEvent(new Event("cancel", { cancelable: true }))) dialog.close();

@@ -14,6 +14,8 @@ const FOV = 62;
 const NEAR = 0.02;
 /** ms without a picture after which it is said that there is none. */
 const NONE = 4000;
+/** ms between looks at where its frame is. */
+const AGAIN = 200;
 
 /**
  * Where the horizon is in a picture: how far above its middle, in halves of its height, and turned
@@ -42,14 +44,20 @@ export class Eye {
     this.panes = panes;
     this.newest = newest;
     this.there = there;
-    const sized = new ResizeObserver(() => {
-      const { offsetLeft: x, offsetTop: y } = this.#figure;
-      const { clientWidth: width, clientHeight: height } = this.#figure;
-      this.#at = { x: x + 1, y: y + 1, width, height }; // within its border
-      const [left, top] = [`${x}px`, `${y}px`];
-      setStyle(this.#back, { left, top, width: `${width}px`, height: `${height}px` });
-    });
-    for (const node of [this.#figure, $(".stage")]) sized.observe(node);
+    setInterval(() => this.#place(), AGAIN);
+  }
+
+  /** Where its frame is now: that makes room for other things. */
+  #place() {
+    if (this.#figure.hidden) return;
+    const { offsetLeft: x, offsetTop: y } = this.#figure;
+    const { clientWidth: width, clientHeight: height } = this.#figure;
+    const at = { x: x + 1, y: y + 1, width, height }; // within its border
+    if (JSON.stringify(at) === JSON.stringify(this.#at)) return;
+    this.#at = at;
+    const [left, top] = [`${x}px`, `${y}px`];
+    setStyle(this.#back, { left, top, width: `${width}px`, height: `${height}px` });
+    this.#viser?.requestRender();
   }
 
   /** Every frame, while it is wanted. @param {Viser} viser */
@@ -58,6 +66,7 @@ export class Eye {
     this.#viser = viser;
     if (this.#figure.hidden) {
       this.#figure.hidden = this.#back.hidden = false;
+      this.#place();
       this.#drawn = performance.now();
       this.panes.more.add(this.#picture);
       viser.requestRender();

@@ -2,7 +2,7 @@
 
 import { throwAway } from "./bin.js";
 import { benchOf, drawBench, drawPlaying } from "./bench.js";
-import { $, $canvas, attempt, el, takesChanged, toast } from "./dom.js";
+import { $, $canvas, attempt, el, takesChanged, toView, toast } from "./dom.js";
 import { FRAME } from "./motion.js";
 import { filled } from "./net.js";
 import { Timeline } from "./timeline.js";
@@ -199,6 +199,7 @@ export class Review {
   #show(on) {
     if (!on) this.#take = null;
     $("#bench").hidden = !on;
+    if (on) toView();
     document.body.toggleAttribute("data-reviewing", on);
     this.plots.show(
       this.#take && {

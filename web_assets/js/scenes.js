@@ -1,6 +1,6 @@
 // A scene being played: what to do next over the view, the steps and the best runs in the panel.
 
-import { $, $input, attempt, el, setStyle, text } from "./dom.js";
+import { $, $input, attempt, el, setStyle, text, toView } from "./dom.js";
 import { SceneMap } from "./scene-map.js";
 import { sourceName } from "./words.js";
 
@@ -92,7 +92,9 @@ export class ScenePanel {
   draw(state) {
     const { progress, source, props, mode } = state;
     const scene = this.#scenes.find(({ name }) => name === progress.name);
-    this.#over.hidden = !scene || !progress.steps.length || mode === "replay";
+    const hidden = !scene || !progress.steps.length || mode === "replay";
+    if (this.#over.hidden && !hidden) toView();
+    this.#over.hidden = hidden;
     const real = !source.startsWith("operator") || source === "operator:interactive";
     const alone = `Nobody drives: ${sourceName(source)} does not know the scene. `;
     const how = "Drive with the keyboard (Source, above), or with your body.";

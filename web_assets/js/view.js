@@ -14,7 +14,9 @@ import { ViewCamera } from "./view-camera.js";
 /** @import { Tick, Viser, ViewWindow } from "../types/page.js" */
 
 /** What is at the view's edges. */
-const EDGES = ".stage-record, .cameras, .looks, #scene-over, #eye";
+const EDGES =
+  ".stage-record, .cameras, .looks, .scene-over, .eye, .coach, .coach-actions, .stopped";
+const AGAIN = 250; // ms until it is looked for again
 const DRAGS = /** @type {const} */ (["dragenter", "dragover", "dragleave", "drop"]);
 
 export class View {
@@ -22,8 +24,9 @@ export class View {
   #captions = $$(".caption");
   /** @type {Map<HTMLElement, [number, number]>} */
   #sizes = new Map();
-  /** @type {Box[] | null} */
-  #edges = null;
+  /** @type {Box[]} */
+  #edges = [];
+  #looked = -Infinity;
   /** @type {ViewCamera} */
   #camera;
   #connected = false;
@@ -56,16 +59,14 @@ export class View {
       button.addEventListener("click", () =>
         this.look(/** @type {CameraName} */ (button.dataset.camera)),
       );
-    new ResizeObserver(() => (this.#edges = null)).observe($(".stage-record"));
     let width = 0;
     const resized = new ResizeObserver(() => {
-      this.#edges = null;
       const [view, over] = [this.#frame, $("#scene-over")];
       if (width === (width = view.clientWidth + view.clientHeight + over.clientWidth)) return;
       this.#sizes.clear();
       if (this.#connected) this.look(this.#camera.name, false);
     });
-    for (const node of [this.#frame, $("#scene-over"), $("#eye")]) resized.observe(node);
+    for (const node of [this.#frame, $("#scene-over")]) resized.observe(node);
     let shown = false;
     const each = () => {
       const viser = this.viser;
@@ -180,9 +181,12 @@ export class View {
 
   /** What is at the view's edges, and no caption may cover. */
   get #kept() {
-    if (!this.#edges) {
+    const now = performance.now();
+    if (now - this.#looked > AGAIN) {
+      this.#looked = now;
       const { left, top } = this.#frame.getBoundingClientRect();
-      const boxes = $$(EDGES).map((n) => n.getBoundingClientRect());
+      const over = $$(EDGES).filter((node) => getComputedStyle(node).position === "absolute");
+      const boxes = over.map((node) => node.getBoundingClientRect());
       this.#edges = boxes.map((box) => ({
         left: box.left - left,
         right: box.right - left,
