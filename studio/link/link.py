@@ -44,6 +44,17 @@ class Order:
     damping: bool = False
 
 
+@dataclass(frozen=True, kw_only=True)
+class Told:
+    """What a robot behind a link last told of itself. phase, why: `robot_side.Phase`,
+    `guards.Why`. heard_s: s since it told. refused: datagrams that were not believed."""
+
+    phase: str
+    why: str
+    heard_s: float
+    refused: int
+
+
 class RobotLink(ABC):
     """One robot. The control loop's thread only.
 
@@ -94,6 +105,11 @@ class RobotLink(ABC):
     def stopped(self) -> str:
         """Why the robot stopped itself and waits to be asked to rise; "" where it did not."""
         return ""
+
+    @property
+    def told(self) -> Told | None:
+        """What the robot last told; None for a simulated one."""
+        return None
 
     def close(self) -> None:  # noqa: B027 - most hold nothing
         """Let go of the robot."""

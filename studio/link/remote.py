@@ -6,7 +6,7 @@ from secrets import randbits
 
 from studio.control.drive_command import Directive, DriveCommand
 from studio.link import wire
-from studio.link.link import Level, Order, RobotLink
+from studio.link.link import Level, Order, RobotLink, Told
 from studio.link.robot_side import STILL_WITHIN
 from studio.link.wire import Echo, Head, Refused, Report
 from studio.robot.pose import RobotPose, RobotState
@@ -109,6 +109,15 @@ class RemoteLink(RobotLink):
         if self._now() - self._asked_at < RISES_WITHIN:
             return ""
         return f"the robot is limp ({report.why})"
+
+    @property
+    def told(self) -> Told | None:
+        """None before its first state."""
+        report = self._report
+        if report is None:
+            return None
+        heard_s = self._now() - self._seen_at
+        return Told(phase=report.phase, why=report.why, heard_s=heard_s, refused=self.refused)
 
     def _why(self) -> str:
         report = self._report

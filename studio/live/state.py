@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import numpy as np
 
 from studio.control.drive_command import Reason
+from studio.link.remote import SILENT
 from studio.live.command import OneOf
 from studio.live.commands import transport
 from studio.live.state_parts import (
@@ -26,6 +27,7 @@ from studio.live.state_parts import (
     Played,
     Recording,
     Replay,
+    RobotBehind,
     SourceReport,
     Style,
 )
@@ -101,6 +103,21 @@ class Seen:
         name = self.runtime.recorder.recording
         return None if name is None else Recording(name=name, ticks=self.runtime.recorder.ticks)
 
+    def link(self) -> RobotBehind | None:
+        """The robot that is not simulated here, as it last told."""
+        link = self.runtime.puppeteer.link
+        if (told := link.told) is None:
+            return None
+        return RobotBehind(
+            name=link.name,
+            level=link.level,
+            phase=told.phase,
+            why=told.why,
+            heard_s=round(told.heard_s, 3),
+            silent=told.heard_s > SILENT,
+            refused=told.refused,
+        )
+
     def props(self) -> dict[str, list[float]]:
         """Of each prop that has a body: x, y, z (m), and its orientation (wxyz), world."""
         shown = self.runtime.props
@@ -169,6 +186,7 @@ KEYS: dict[str, Key] = {
     "latency_ms": Key(dict[str, float], lambda seen: seen.tick_message["timings_ms"]),
     "period_error_ms": Key(dict[str, float], Seen.punctuality),
     "robot": Key(Pose, lambda seen: part("robot", seen.tick.robot, "trace")),
+    "link": Key(RobotBehind | None, Seen.link),
     "controller": Key(Controller, lambda seen: seen.runtime.puppeteer.controller.name),
     "style": Key(Style, lambda seen: seen.runtime.puppeteer.config.style),
     "gains": Key(dict[str, float], lambda seen: asdict(seen.runtime.puppeteer.retargeter.settings)),

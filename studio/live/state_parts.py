@@ -5,6 +5,7 @@ from typing import Annotated, NotRequired
 from typing_extensions import TypedDict
 
 from studio.control.controllers import CONTROLLERS
+from studio.link.link import Level
 from studio.live.collect_stages import Phase
 from studio.live.command import OneOf
 from studio.options import STYLES, Travel
@@ -123,6 +124,19 @@ class SourceReport(TypedDict):
     up_axis: str | None
     refused: RefusedFrames
     notes: list[str]
+
+
+class RobotBehind(TypedDict):
+    """The robot behind a link (docs/robot-link.md): what is sent to it, its phase and why it is
+    limp, s since it was heard, silent from so many on, datagrams that were not believed."""
+
+    name: str
+    level: Level
+    phase: str
+    why: str
+    heard_s: float
+    silent: bool
+    refused: int
 
 
 class Following(TypedDict):

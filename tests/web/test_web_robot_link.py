@@ -1,28 +1,10 @@
 """`serve --robot`: a robot of another process, by the API; killed, and started anew."""
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
+from robots import end, robot
 from served import Served
-
-
-def robot(port: int = 0) -> tuple[subprocess.Popen, int]:
-    process = subprocess.Popen(
-        [sys.executable, "-m", "studio", "robot", "--port", str(port)],
-        stdout=subprocess.PIPE, text=True, env={**os.environ, "OMP_NUM_THREADS": "1"},
-    )  # fmt: skip
-    assert process.stdout is not None
-    return process, int(process.stdout.readline().rsplit(":", 1)[1])
-
-
-def end(process: subprocess.Popen) -> None:
-    process.kill()
-    process.wait()
-    assert process.stdout is not None
-    process.stdout.close()
 
 
 @pytest.mark.slow
@@ -35,12 +17,17 @@ def test_a_robot_waits_for_reset_and_arm_is_missed_when_it_is_gone_and_rises_whe
         state = served.wait(lambda s: s["stopped"])
         assert state["reason"] == "robot"
         assert "switched on" in state["why"]
+        told = state["link"]
+        assert (told["name"], told["level"]) == (f"udp:127.0.0.1:{port}", "references")
+        assert (told["phase"], told["why"], told["silent"]) == ("limp", "switched on", False)
         assert served.client.post("/api/reset").status_code == 200
         assert served.client.post("/api/arm").status_code == 200
         served.wait(lambda s: s["reason"] == "" and s["robot"]["base_pos"][2] > 0.2)
         end(body)
         state = served.wait(lambda s: "silent" in s["why"])
         assert (state["reason"], state["stopped"]) == ("robot", False)
+        assert state["link"]["silent"]
+        assert state["link"]["heard_s"] > 0.3
         body, _ = robot(port)
         state = served.wait(lambda s: s["stopped"])
         assert "switched on" in state["why"]

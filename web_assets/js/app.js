@@ -1,6 +1,7 @@
 // The page: wires panels, safety and the 3-D view to the studio.
 
 import { Alarm, drawStale } from "./alarm.js";
+import { drawBehind } from "./behind.js";
 import { captionsOf } from "./captions.js";
 import { Controls } from "./controls.js";
 import { $, $$, attempt, calm, hears, leave, openDialog, text, toast } from "./dom.js";
@@ -210,6 +211,7 @@ new LastingSocket("/api/ticks", { heard: drawTick });
 function drawState(state) {
   drawStatus(state, api.page);
   view.beside(Object.keys(state.props).length > 0);
+  drawBehind(state.link);
   drawControl(studio, state);
   drawStyle(state);
   controls.draw(state);

@@ -1,5 +1,6 @@
 // The names of the three figures, and what each does: a pure function, without a page.
 
+import { phaseOf } from "./behind.js";
 import { spoken } from "./words.js";
 
 /** @import { State, Tick } from "../types/page.js" */
@@ -15,11 +16,11 @@ function person(source) {
  *
  * @param {Pick<Tick, "mode" | "state" | "transition_to" | "controller" | "expert" | "fallen"> &
  *   { human: unknown }} tick
- * @param {Partial<Pick<State, "source" | "transport">> | null} studio its state
+ * @param {Partial<Pick<State, "source" | "transport" | "link">> | null} studio its state
  * @returns {Record<"human" | "reference" | "robot", [string, string]>}
  */
 export function captionsOf(tick, studio) {
-  const { source = "operator", transport } = studio ?? {};
+  const { source = "operator", transport, link } = studio ?? {};
   const { mode, state, transition_to, controller, human, expert, fallen } = tick;
   const shown = mode === "replay" && controller === "recorded";
   const should = shown ? "What it was shown" : "What it should do";
@@ -37,6 +38,9 @@ export function captionsOf(tick, studio) {
       mode === "collect" ? "What to act out" : should,
       state === "transition" ? `changing to ${transition_to ?? "…"}` : state,
     ],
-    robot: ["What physics lets it do", fallen ? "fallen" : spoken(controller)],
+    robot:
+      link && mode !== "replay"
+        ? ["Robot behind a link", phaseOf(link)]
+        : ["What physics lets it do", fallen ? "fallen" : spoken(controller)],
   };
 }

@@ -2053,6 +2053,7 @@ export interface components {
                 [key: string]: number;
             };
             robot: components["schemas"]["Pose"];
+            link: components["schemas"]["RobotBehind"] | null;
             /**
              * Controller
              * @enum {string}
@@ -2468,6 +2469,30 @@ export interface components {
             problems: string[];
         };
         /**
+         * RobotBehind
+         * @description The robot behind a link (docs/robot-link.md): what is sent to it, its phase and why it is
+         *     limp, s since it was heard, silent from so many on, datagrams that were not believed.
+         */
+        RobotBehind: {
+            /** Name */
+            name: string;
+            /**
+             * Level
+             * @enum {string}
+             */
+            level: "targets" | "references";
+            /** Phase */
+            phase: string;
+            /** Why */
+            why: string;
+            /** Heard S */
+            heard_s: number;
+            /** Silent */
+            silent: boolean;
+            /** Refused */
+            refused: number;
+        };
+        /**
          * SceneInfo
          * @description A scene. best: each person's best run, the best first.
          */
@@ -2861,6 +2886,7 @@ export interface components {
                 [key: string]: number;
             };
             robot: components["schemas"]["Pose"];
+            link: components["schemas"]["RobotBehind"] | null;
             /**
              * Controller
              * @enum {string}
@@ -3343,6 +3369,7 @@ export interface components {
                 [key: string]: number;
             };
             robot: components["schemas"]["Pose"];
+            link: components["schemas"]["RobotBehind"] | null;
             /**
              * Controller
              * @enum {string}
