@@ -14,7 +14,6 @@ const PHASES = {
 };
 /** @type {Record<string, string>} */
 const WHYS = {
-  "switched on": "switched on, press Reset",
   "asked to": "stopped",
   "line silent": "heard nothing of us",
   tilt: "it leans too far",
