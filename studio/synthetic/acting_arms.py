@@ -12,6 +12,9 @@ from studio.synthetic.signals import leg_phase
 
 Array = NDArray[np.float64]
 
+FULL_BEND, ELBOW_BACK = np.radians(140.0), np.radians(-15.0)
+"""Of an elbow that leads: flexion with the hand at the shoulder; the furthest back it goes."""
+
 
 def act_arms(
     person: Person,
@@ -41,12 +44,10 @@ def act_arms(
 
     out = s[:, sig.SIDE] * SIGN  # > 0: outwards
     angle = np.where(out > 0.0, h.raise_side, 0.6) * out + h.raise_aside * (1.0 - np.abs(out))
-    top = h.raise_top * reach
     blend = active[..., None]
-    flex = h.raise_flex * (1.0 - 0.7 * reach**2)
-    raised = np.stack(
-        [top * np.cos(angle), top * np.sin(angle), np.full_like(top, 0.1), flex], axis=-1
-    )
+    top, flex = _raised(person, reach)
+    twist = 0.1 - h.raise_elbow * (0.1 + angle)  # a leading forearm stays in the arm's plane
+    raised = np.stack([top * np.cos(angle), top * np.sin(angle), twist, flex], axis=-1)
     arms = rest + blend * (raised + 0.5 * arm_sway - rest)
     arms[..., 3] = np.clip(arms[..., 3], 0.03, 2.6)
     free = h.arm_gravity + active * (h.raised_gravity - h.arm_gravity)
@@ -54,6 +55,23 @@ def act_arms(
     free = free + sit[:, None] * active * (0.7 - h.raised_gravity)
     free = free * (1.0 - idle_weight * smoothstep(gesture[..., :2].max(axis=-1)))
     return arms, free, np.maximum(idle_weight, squat_idle)
+
+
+def _raised(person: Person, reach: Array) -> tuple[Array, Array]:
+    """(T, 2) rad each: how far the upper arm is raised, and the elbow bent, to reach that high.
+
+    With a bent elbow the wrist comes as high as that of a straight arm would, as far as it can.
+    """
+    h, upper, fore = person.habits, person.body.upper_arm, person.body.forearm
+    top = h.raise_top * reach
+    flex = h.raise_flex * (1.0 - 0.7 * reach**2)
+    if h.raise_elbow == 0.0:
+        return top, flex
+    flex = flex + h.raise_elbow * np.sin(np.pi * reach) ** 2 * (FULL_BEND - flex)
+    along, aside = upper + fore * np.cos(flex), fore * np.sin(flex)
+    below = (upper + fore) * np.cos(top) / np.hypot(along, aside)
+    bent = np.arccos(np.clip(below, -1.0, 1.0)) - np.arctan2(aside, along)
+    return np.maximum(bent, ELBOW_BACK), flex
 
 
 def _march_arms(person: Person, s: Array, pace: Array, circles: Array, phase: Array) -> Array:

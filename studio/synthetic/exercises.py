@@ -4,8 +4,11 @@ Library tasks move as fast as the robot may. People do not know that: they twist
 squat several times faster, and a selector or mapper must have seen it.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from studio.geometry.time_scaling import smoothstep
 from studio.reference.intent import IntentTrack
@@ -36,7 +39,7 @@ def exercise(rng: np.random.Generator, seconds: float) -> IntentTrack:
         size = rng.uniform(0.5, 1.0) * min(1.0, period / 1.2)
         wave, once = np.sin(turn) * edge * size, 0.5 * (1.0 - np.cos(turn)) * size
         span = slice(start, stop)
-        kind = rng.choice(["twist", "bend", "sides", "windmill", "raise", "knees"])
+        kind = rng.choice(["twist", "bend", "sides", "windmill", "raise", "wave", "knees"])
         if kind == "twist":
             tilt[span, 2] = np.radians(40.0) * wave
         elif kind == "bend":
@@ -50,11 +53,29 @@ def exercise(rng: np.random.Generator, seconds: float) -> IntentTrack:
             arm = int(rng.integers(2))
             reach[span, arm] = once
             side[span, arm] = rng.uniform(0.0, 1.0) * (2 * arm - 1) * edge
+        elif kind == "wave":
+            arm = int(rng.integers(2))
+            reach[span, arm] = edge * (rng.uniform(0.25, 0.8) + 0.08 * wave)
+            side[span, arm] = (2 * arm - 1) * edge * (rng.uniform(-0.3, 1.0) + 0.2 * wave)
         else:
             crouch[span] = once
         start = stop + int(rng.uniform(0.0, 0.8) / DT)
     return make_track(
         "stand", "exercise", length, tilt=tilt, crouch=crouch, reach=reach, reach_side=side
+    )
+
+
+def windmill_arms(track: IntentTrack) -> IntentTrack:
+    """The same exercise by somebody whose arms are stretched out to both sides in its windmills.
+
+    A hand that comes up because the trunk bends and twists is no reach: three feet cannot follow.
+    """
+    bent = smoothstep(track.tilt[:, 1] / 0.2) * smoothstep(np.abs(track.tilt[:, 2]) / 0.3)
+    out = gaussian_filter1d(maximum_filter1d(bent, round(1.2 / DT)), 0.15 / DT)[:, None]
+    return replace(
+        track,
+        reach=track.reach + out * (0.5 - track.reach),
+        reach_side=track.reach_side + out * (np.array([-1.0, 1.0]) - track.reach_side),
     )
 
 

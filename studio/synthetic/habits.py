@@ -66,6 +66,7 @@ class Habits:
     raise_side: float = 1.35
     raise_flex: Array = field(default_factory=lambda: _pair(0.25))
     raise_aside: Array = field(default_factory=_pair)  # raises a little outwards anyway
+    raise_elbow: float = 0.0  # from 0, the arm swings up, to 1: the elbow bends, then opens
     # marching
     step_low: float = 0.55
     step_high: float = 1.75
@@ -94,6 +95,7 @@ class Habits:
     circle_size: float = 0.45
     # what the intent does not ask for
     idle_gesture_gap_s: float = 6.0
+    idle_gestures: tuple[str, ...] = ()  # which of `idle.GESTURES`; none: any
 
 
 def draw_habits(rng: np.random.Generator) -> Habits:

@@ -51,9 +51,10 @@ GESTURES: dict[str, Gesture] = {
     "waving": Gesture(arms="one", pose=(40, 80, -40, 80), wave=(0, 0, 25, 12), hz=1.5),
     "half_aside": Gesture(arms="one", pose=(10, 55, 0, 25)),
 }
-_NAMES = list(GESTURES)
-_SHARES = np.array([gesture.share for gesture in GESTURES.values()])
-_SHARES /= _SHARES.sum()
+AT_REST = (
+    "on_hips", "folded", "clasped", "behind", "pockets", "elbows_out", "bar", "swinging",
+)  # fmt: skip
+"""With both hands at the height of the trunk: nothing is reached for."""
 _SETTLE_S = 0.8
 
 
@@ -62,6 +63,9 @@ class IdleGestures:
 
     def __init__(self, person: Person, rng: np.random.Generator) -> None:
         self._rng, self._gap = rng, person.habits.idle_gesture_gap_s
+        self._names = person.habits.idle_gestures or tuple(GESTURES)
+        shares = np.array([GESTURES[name].share for name in self._names])
+        self._shares = shares / shares.sum()
         self._smooth = Fir(movement_kernel(_SETTLE_S, DT, person.habits.profile))
         self._frame = 0
         self._pose, self._wave = np.zeros((2, 4)), np.zeros((2, 4))
@@ -76,7 +80,7 @@ class IdleGestures:
 
     def _begin(self) -> None:
         rng = self._rng
-        gesture = GESTURES[_NAMES[rng.choice(len(_NAMES), p=_SHARES)]]
+        gesture = GESTURES[self._names[rng.choice(len(self._names), p=self._shares)]]
         spread = rng.normal(0.0, gesture.spread, 4) * np.array([1.0, 0.6, 0.8, 1.0])
         uneven = rng.normal(0.0, 0.3 * gesture.spread, (2, 4))
         self._pose = np.radians(np.asarray(gesture.pose) + spread + uneven)

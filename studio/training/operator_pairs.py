@@ -21,8 +21,10 @@ from studio.reference.library import TASKS, task_names
 from studio.reference.motion import ReferenceMotion
 from studio.reference.realize import realize
 from studio.retarget.mapper import RATES
-from studio.synthetic import Person, exercise, play
+from studio.synthetic import Habits, Person, exercise, play
 from studio.synthetic import signals as sig
+from studio.synthetic.exercises import windmill_arms
+from studio.synthetic.idle import AT_REST
 from studio.timing import CONTROL_HZ
 
 Array = NDArray[np.float64]
@@ -34,6 +36,9 @@ KNOWN_AFTER = 15
 """Control periods of a performance that are no pairs."""
 EXERCISE_SHARE = 0.4
 """Share of standing performances at people's own brisk pace: library tasks are the robot's."""
+ELBOW_SHARE, REST_SHARE, BOTH_SHARE = 0.7, 0.35, 0.5
+"""Of standing people: who raise a hand elbow first, whose idle hands wander (`idle.AT_REST`), and
+who raise both hands where one paw is meant."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,10 +104,13 @@ def performances(
     for track, robot, person in acts(state, rng, family, style, clip_seconds):
         if done >= seconds:
             return
+        both = track is not robot  # and the right one is meant
+        if track.task == "exercise" and not both:
+            track = windmill_arms(track)
         pairs = pair_up(track, realize(robot), person, rng)
         done += len(pairs) / CONTROL_HZ
         yield pairs
-        if track is robot and rng.random() < 0.5:
+        if not both and rng.random() < 0.5:
             yield mirrored(pairs)
             done += len(pairs) / CONTROL_HZ
 
@@ -120,10 +128,23 @@ def acts(
         else:
             track = TASKS[name].sample(rng, clip_seconds, float(rng.uniform(0.3, 1.0)))
         person = Person.sample(rng, family, style=style).still()
+        if state == "stand":
+            person = replace(person, habits=own_way(person.habits, rng))
         robot = track
-        if state == "stand" and np.any(track.reach > 0.3) and rng.random() < 0.35:
+        if state == "stand" and np.any(track.reach > 0.3) and rng.random() < BOTH_SHARE:
             track, robot = both_arms(track, rng)
         yield track, robot, person
+
+
+def own_way(habits: Habits, rng: np.random.Generator) -> Habits:
+    """Habits of standing arms: most people raise a hand elbow first, and hands that rest do
+    so anywhere below the shoulders."""
+    return replace(
+        habits,
+        raise_elbow=rng.uniform(0.3, 1.0) if rng.random() < ELBOW_SHARE else 0.0,
+        idle_gestures=AT_REST,
+        idle_gesture_gap_s=rng.uniform(1.0, 3.0) if rng.random() < REST_SHARE else float("inf"),
+    )
 
 
 def both_arms(track: IntentTrack, rng: np.random.Generator) -> tuple[IntentTrack, IntentTrack]:
