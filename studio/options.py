@@ -20,6 +20,7 @@ SceneName = Literal["empty", "free", "greeting", "hardware", "push", "slalom", "
 SCENES: tuple[SceneName, ...] = get_args(SceneName)
 """What the robot is set into (`studio.scenes`); "empty" is what "free" was called first."""
 Travel = Literal["auto", "off"]
+Steps = Literal["generated", "mapped"]
 ControllerName = Literal["stand_still", "pd_playback", "policy"]
 EngineName = Literal["mujoco", "pybullet"]
 
@@ -98,6 +99,9 @@ class DriveConfig(RobotOptions):
     """Mirror the person."""
     travel: Travel = "auto"
     """Walk through space beside a person who does (auto), or read marches alone (off)."""
+    steps: Steps = "mapped"
+    """Walk in the steps that the network says, joint by joint, as in the paper (mapped), or at the
+    speed and turn that it says in the gait generator's own (generated)."""
     max_joint_speed: float = PAPER_JOINT_SPEED_DEG
     """Degrees a second that a standing or sitting reference's joints may reach, 60 to 480: the
     paper's 120 is late and steady (`evaluate response`)."""

@@ -47,16 +47,16 @@ class Puppeteer:
         link: RobotLink | None = None,
     ) -> None:
         """link: None for a simulated robot. StudioError for unknown names or untrained experts."""
-        self.config = config = config or PuppeteerConfig()
+        self.config = c = config or PuppeteerConfig()
         self.retargeter = retargeter or Retargeter.load(
-            config.style, calibration, mirror=config.mirror, travel=config.travel == "auto"
+            c.style, calibration, mirror=c.mirror, travel=c.travel, steps=c.steps
         )
-        self.state_machine, self.controller = StateMachine(), open_controller(config.controller)
-        self.motors, self.stage = MotorTargets(), Stage(config.scene, config.seed, link)
+        self.state_machine, self.controller = StateMachine(), open_controller(c.controller)
+        self.motors, self.stage = MotorTargets(), Stage(c.scene, c.seed, link)
         self.link = self.stage.link
-        self.lock_state(config.state)
+        self.lock_state(c.state)
         for name in LIMITS:
-            self.set_gain(name, getattr(config, name))
+            self.set_gain(name, getattr(c, name))
         self.reset()
 
     def step(
@@ -197,7 +197,7 @@ class Puppeteer:
     def set_travel(self, travel: Travel) -> None:
         """Follow a person through space, or read marches alone, from the next period on."""
         self.config = replace(self.config, travel=travel)
-        self.retargeter.travel = travel == "auto"
+        self.retargeter.travel = travel
         self.rejoin()
 
     def set_experts(self, experts: Experts) -> None:

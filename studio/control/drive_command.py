@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Literal
 
-from studio.options import Travel
+from studio.options import Steps, Travel
 from studio.reference.stances import JOINT_SPEED
 
 
@@ -16,6 +16,7 @@ class PuppeteerConfig:
     the default. state: "auto" or the state to stay in. seed, scene: of the world. mirror: as in a
     mirror.
     travel: "auto" walks through space beside a person who does, "off" reads marches alone.
+    steps: the gait generator's own, at the speed and turn that a network says, or as it maps them.
     tilt_gain: times the trunk's tilt. dead_zone: rad of tilt ignored. speed_cap: m/s. joint_speed:
     rad/s of a standing or sitting reference's joints.
     """
@@ -27,6 +28,7 @@ class PuppeteerConfig:
     scene: str = "empty"
     mirror: bool = False
     travel: Travel = "auto"
+    steps: Steps = "mapped"
     tilt_gain: float = 1.0
     dead_zone: float = 0.0
     speed_cap: float = 1.0

@@ -56,6 +56,7 @@ def run_drive(
                 scene=config.scene,
                 mirror=config.mirror,
                 travel=config.travel,
+                steps=config.steps,
                 joint_speed=joint_speed(config.max_joint_speed),
             ),
             link := open_link(config.robot, config.robot_level, config.robot_secret),

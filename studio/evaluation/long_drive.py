@@ -22,7 +22,7 @@ from studio.control.policy import Policy
 from studio.control.staleness import stale_command
 from studio.evaluation.behind import met
 from studio.mocap.source import Source
-from studio.options import PAPER_JOINT_SPEED_DEG, ControllerName
+from studio.options import PAPER_JOINT_SPEED_DEG, ControllerName, Steps
 from studio.puppeteer import Puppeteer
 from studio.reference.intent import STATES, StateName
 from studio.retarget.settings import joint_speed
@@ -55,7 +55,8 @@ class Case:
     """One row. source: a spec of the operator, or BRISK. sensor: a name of IMPAIRMENTS. dynamics:
     those of the robot the policies were made for, or draws of Table I and its cheap sensors
     (`rl.noise`). holds: a name of HOLDS. max_joint_speed: degrees/s that standing and sitting
-    references' joints may reach. people, seconds: who drives it, each for how long."""
+    references' joints may reach. steps: whose, of walks (`retarget.pacing`). people, seconds: who
+    drives it, each for how long."""
 
     source: str = "operator:walk"
     controller: ControllerName = "policy"
@@ -63,6 +64,7 @@ class Case:
     sensor: str = "mocap"
     holds: str = "shipped"
     max_joint_speed: float = PAPER_JOINT_SPEED_DEG
+    steps: Steps = "mapped"
     people: int = 20
     seconds: float = 300.0
 
@@ -81,7 +83,10 @@ def endure(case: Case, seed: int, experts: Experts | None = None) -> Run:
     """One person, drawn from `seed`, drives for `case.seconds`; experts: None for the shipped."""
     source = sent_by(case.sensor, case.source, seed)
     config = PuppeteerConfig(
-        controller=case.controller, seed=seed, joint_speed=joint_speed(case.max_joint_speed)
+        controller=case.controller,
+        seed=seed,
+        steps=case.steps,
+        joint_speed=joint_speed(case.max_joint_speed),
     )
     puppeteer = met(source, config)
     if experts is not None:

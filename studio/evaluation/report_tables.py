@@ -134,6 +134,7 @@ TABLES: dict[str, tuple[str, tuple[Column, ...]]] = {
             Column(key="dynamics", head="dynamics"),
             Column(key="sensor", head="person seen by"),
             Column(key="holds", head="holds"),
+            Column(key="steps", head="steps"),
             Column(key="max_joint_speed_deg_s", head="joints up to °/s", places=0),
             Column(key="episodes", head="people", places=0),
             Column(key="seconds", head="minutes", scale=1.0 / 60.0, places=0),

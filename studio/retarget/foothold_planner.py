@@ -12,22 +12,15 @@ from studio.reference.contact_lock import ContactConfig, ContactLock
 from studio.reference.intent import StateName
 from studio.reference.motion import with_velocity
 from studio.reference.stances import NEUTRAL, quickness
-from studio.reference.tasks_walk import MAX_TURN
 from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES, Mapped
+from studio.retarget.pacing import Turning
 from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
 from studio.retarget.support_margin import SupportMargin
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose
 
 Array = NDArray[np.float64]
-
-TURN_TAU = 0.8
-"""s, low-pass of the turning rate while walking: a march sways the trunk at every step."""
-TURN_DEAD_ZONE = math.radians(4.0)
-"""rad/s: slower turns are nobody's wish (without this a real march, trunk a few degrees to the
-left, veered by 46 degrees in 9 s)."""
-
 
 AS_PLANNED = ContactConfig()
 """For feet that are where they are planned to be."""
@@ -54,11 +47,11 @@ class FootholdPlanner:
         if self.state != "sit":
             # A sitting trunk is near vertical: there the frame itself is the heading.
             self._yaw = float(geometry.heading(self.last.base_quat))
-        self.state, self._turn = state, 0.0
+        self.state, self._turning = state, Turning()
 
     def continue_from(self, pose: RobotPose, yaw: float) -> None:
         """Go on from `pose`, feet and all; yaw: rad, the way its feet face."""
-        self._yaw, self._turn = yaw, 0.0
+        self._yaw, self._turning = yaw, Turning()
         self.last = ReferencePose(
             base_pos=pose.base_pos,
             base_quat=pose.base_quat,
@@ -82,7 +75,7 @@ class FootholdPlanner:
         felt = mapped.turn is None  # else a generator's steps, which need no mending
         if spec.turns:
             if mapped.turn is None:
-                self._steer(quat_s, spec.turn_gain * rates[RATES["base_ang_vel"]], dt)
+                self._yaw += self._turning.step(quat_s, rates, dt) * dt
             else:
                 self._yaw += mapped.turn * dt
             gain = self.stride_gain if felt else 1.0
@@ -106,13 +99,6 @@ class FootholdPlanner:
         )
         self.last = with_velocity(now, last, dt)
         return self.last, clipped or turned
-
-    def _steer(self, quat_s: Array, ang_vel_b: Array, dt: float) -> None:
-        rate = float(scalars.matrix(quat_s.tolist())[2] @ ang_vel_b)
-        self._turn += (rate - self._turn) * min(1.0, dt / TURN_TAU)
-        beyond = min(abs(self._turn), MAX_TURN) - TURN_DEAD_ZONE
-        gain = MAX_TURN / (MAX_TURN - TURN_DEAD_ZONE)
-        self._yaw += math.copysign(max(0.0, beyond) * gain, self._turn) * dt
 
     @property
     def slips(self) -> int:

@@ -51,13 +51,14 @@ class March:
     """What is read off a person in one control period.
 
     cadence: strides/s, 0 when nobody marches. step: m, height of the last steps. speed: m/s.
-    turn: rad/s, > 0 left.
+    turn: rad/s, > 0 left. phase: of the stride, [0, 1): 0 where the left foot lifts, 0.5 the right.
     """
 
     cadence: float = 0.0
     step: float = 0.0
     speed: float = 0.0
     turn: float = 0.0
+    phase: float = 0.0
 
 
 def speed_of(cadence: float, step: float) -> float:
@@ -111,8 +112,14 @@ class MarchReader:
         # A march sways the trunk: what is meant is the mean over a stride.
         span = round(2.0 * self._half / self._dt)
         yaw, lean = np.mean(list(self._trunk)[-span:], axis=0).tolist()
+        # The next foot is waited for: a step that takes longer holds the phase.
+        phase = 0.5 * (self._foot or 0) + min(cadence * (self._t - self._at), 0.5)
         return March(
-            cadence=cadence, step=step, speed=speed_of(cadence, step), turn=turn_of(yaw, lean)
+            cadence=cadence,
+            step=step,
+            speed=speed_of(cadence, step),
+            turn=turn_of(yaw, lean),
+            phase=phase % 1.0,
         )
 
     def _watch(self, above: float) -> None:

@@ -1,7 +1,6 @@
 """HumanPose -> features -> selector -> expert -> contact -> temporal -> ReferencePose."""
 
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,11 +8,13 @@ from numpy.typing import NDArray
 from studio.human.calibration import Calibration
 from studio.human.features import FeatureExtractor, Features
 from studio.human.pose import HumanPose
+from studio.options import Steps, Travel
 from studio.reference.intent import StateName
 from studio.retarget.easing import Easing
 from studio.retarget.experts import EXPERTS
 from studio.retarget.foothold_planner import FootholdPlanner
 from studio.retarget.mapper import Expert, Mapped
+from studio.retarget.pacing import PacedWalk
 from studio.retarget.section_times import SectionTimes
 from studio.retarget.selector import (
     SELECTOR_CUTOFF_HZ,
@@ -65,10 +66,14 @@ class Retargeter:
         mirror: bool = False,
         selector: SelectorConfig | None = None,
         settings: RetargetSettings | None = None,
-        travel: bool = True,
+        travel: Travel = "auto",
+        steps: Steps = "mapped",
     ) -> None:
-        """travel: walk through space beside a person who does (`retarget.travel`)."""
-        self.experts, self.travel = experts, travel
+        """travel: whether to walk through space beside a person (`retarget.travel`). steps: whose
+        they are where a network says how to walk (`retarget.pacing`)."""
+        self.experts = experts
+        self.travel: Travel = travel
+        self.steps: Steps = steps
         self.extractor = FeatureExtractor(calibration or Calibration(), mirror=mirror)
         self.path = PathReader()
         self._through_space = TravelWalk(self.path)
@@ -84,12 +89,12 @@ class Retargeter:
         calibration: Calibration | None = None,
         *,
         mirror: bool = False,
-        travel: bool = True,
-        models: Path | None = None,
+        travel: Travel = "auto",
+        steps: Steps = "mapped",
     ) -> "Retargeter":
         """A retargeter with the shipped experts of a style. StudioError if there are none."""
-        experts = load_experts(style, models)
-        return Retargeter(experts, calibration, mirror=mirror, travel=travel)
+        experts = load_experts(style)
+        return Retargeter(experts, calibration, mirror=mirror, travel=travel, steps=steps)
 
     def reset(self) -> None:
         """Forget the person and the motion; the robot stands at the origin. Keeps the lock."""
@@ -125,6 +130,7 @@ class Retargeter:
             selector=self.selector.config,
             settings=self.settings,
             travel=self.travel,
+            steps=self.steps,
         )
         other.set_expert(self.selector.lock)
         return other
@@ -186,13 +192,10 @@ class Retargeter:
 
     def _enter(self, state: StateName) -> None:
         """Make `state` the active one: the first time in its neutral pose, later by moving."""
-        if self._first:
-            self._planner.start(state)
-            self._first = False
-        elif state == self._planner.state:
+        if state == self._planner.state and not self._first:
             return
-        else:
-            self._planner.enter(state)
+        (self._planner.start if self._first else self._planner.enter)(state)
+        self._first = False
         self._begin()
 
     def _begin(self) -> None:
@@ -200,9 +203,11 @@ class Retargeter:
         self._expert = self._expert_of(self._planner.state).begin()
 
     def _expert_of(self, state: StateName) -> Expert:
-        if state == "walk" and self.travel and self.path.found:
+        if state == "walk" and self.travel == "auto" and self.path.found:
             return self._through_space
-        return self.experts.mappers[state]
+        expert = self.experts.mappers[state]
+        paced = state == "walk" and self.steps == "generated" and not expert.remembers
+        return PacedWalk(expert, self.experts.stride_gain) if paced else expert
 
     def _see(self, pose: HumanPose | None) -> None:
         """The person's features and path; who is found to travel is followed from a stand on."""
@@ -212,14 +217,15 @@ class Retargeter:
             self._features = extractor.push(pose)
         self.path.mirror = extractor.mirror
         self.path.see(pose, extractor.calibrator.leg_length)
-        if self.path.found and not known and self.travel and self._planner.state == "walk":
+        beside = self.path.found and not known and self.travel == "auto"
+        if beside and self._planner.state == "walk":
             self._easing.restart()
             self._begin()
 
     @property
     def travels(self) -> bool:
         """The person crosses the room now, and the robot is to do so too."""
-        return self.travel and self.path.moving
+        return self.travel == "auto" and self.path.moving
 
     def continue_from(self, pose: RobotPose, yaw: float) -> None:
         """Go on from `pose`, where a transition or a hold has left the robot, feet and all.

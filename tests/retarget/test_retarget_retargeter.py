@@ -132,6 +132,6 @@ def test_shipped_experts_say_what_they_were_made_from():
 
 def test_a_style_that_is_not_trained_says_how_to_train_it(tmp_path):
     with pytest.raises(StudioError, match="train mapper --style circles"):
-        Retargeter.load("circles", models=tmp_path)
+        load_experts("circles", tmp_path)
     with pytest.raises(StudioError, match="march"):
         Retargeter.load("dance")

@@ -67,7 +67,7 @@ def test_it_turns_as_they_turn(turn):
 def test_a_march_in_place_and_travel_switched_off_are_read_as_ever():
     still = followed((0.0, 0.0))
     assert not still[2].path.found
-    off = followed((-0.6, 0.0), travel=False)
+    off = followed((-0.6, 0.0), travel="off")
     assert off[0][0] > -0.05  # who walks backward marches on, as before
 
 

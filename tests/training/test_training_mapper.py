@@ -18,6 +18,7 @@ from studio.retarget.baselines.simple import Ridge
 from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES, Mapped, Mapper
 from studio.retarget.retargeter import Retargeter
+from studio.retarget.store import load_experts
 from studio.synthetic import Person, perform, play
 from studio.synthetic import signals as sig
 from studio.training import checkpoint
@@ -178,5 +179,5 @@ def test_a_style_trained_from_scratch_drives_a_retargeter(tmp_path):
     assert sidecar["scores"]["joint_rmse_deg"] > 0.0
     rng = np.random.default_rng(0)
     clip = perform(TASKS["sit_quiet"].sample(rng, 3.0), person(), rng)
-    retargeter = Retargeter.load("march", models=tmp_path)
+    retargeter = Retargeter(load_experts("march", tmp_path))
     assert [retargeter.step(clip[i]) for i in range(len(clip))][-1].expert == "sit"
