@@ -85,7 +85,7 @@ def test_training_on_takes_writes_a_mapper_better_than_the_nearest_pair(collecte
     root, names = collected
     progress = tmp_path / "progress.jsonl"
     config = TakesTraining(
-        takes=names, sessions=root, name="ada", states=("stand",), steps=120, progress=progress
+        takes=names, sessions=root, name="ada", states=("stand",), steps=300, progress=progress
     )
     about = run_train_takes(config)
     scores = about["experts"]["stand"]["scores"]
@@ -106,7 +106,7 @@ def test_training_on_takes_writes_a_mapper_better_than_the_nearest_pair(collecte
     assert np.abs(other).max() > 0.0
     events = [json.loads(line)["event"] for line in progress.read_text().splitlines()]
     assert events[:2] == ["reading", "pairs"]
-    assert events.count("loss") == 6
+    assert events.count("loss") == 15
     assert events[-1] == "done"
     with pytest.raises(StudioError, match="exists"):
         run_train_takes(config)
