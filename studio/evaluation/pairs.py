@@ -169,6 +169,8 @@ def score(state: StateName, clips: list[PairSet], mapped: list[Mapped]) -> dict[
                 "slips_per_s": slips / (len(clip) * CONTROL_DT),
                 "distance_ratio": metrics.distance_m(planted.base_pos)
                 / max(metrics.distance_m(truth.base_pos), 0.05),
+                "net_distance_m": metrics.net_distance_m(planted.base_pos),
+                "net_distance_true_m": metrics.net_distance_m(truth.base_pos),
             }
         )
     return {name: float(np.mean([row[name] for row in each])) for name in each[0]}

@@ -23,7 +23,7 @@ SMOKE = Options(
     train_seconds=40.0,
     steps=40,
     states=("stand", "walk"),
-    mappers=("expert", "stand_still", "kim2020", "yamane2010"),
+    mappers=("expert", "shipped", "stand_still", "kim2020", "yamane2010"),
     people=1,
     seconds=2.0,
     needed=False,
@@ -66,6 +66,7 @@ def test_the_page_shows_what_the_paper_says_beside_what_was_measured(
     text = (tmp_path / "page.md").read_text()
     assert "| Mapping dimension | 2D; 2D |" in text
     assert "stand: refused" in text
+    assert "marches lift feet and go a quarter" in text
     for name in SMOKE.mappers:
         assert f"**{name}**" in text
 

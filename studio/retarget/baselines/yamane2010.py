@@ -10,7 +10,7 @@ Newton steps to explain it; the robot's pose is the mean there. Contact IK comes
 everybody here. Not kept: their optimisation of whole motions by physics, which is not live.
 
 Input: poses without velocities. Limits: what differs by its direction in time is one pose to it (a
-foot on its way up or down), so marches lift feet and go nowhere.
+foot on its way up or down), so marches lift feet and go a quarter of the way.
 """
 
 from collections.abc import Callable
