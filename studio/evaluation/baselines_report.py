@@ -96,12 +96,12 @@ have no robot.
 ## All figures
 """
 FIGURES = """
-Pairs needed: the fewest, of whole performances of some 150, that do within 10 % of the best (C takes
-40 of them, GMR one). Times are the processor's. Went: from the first place to the last, of what was
-meant, means over performances. Joints: as mapped, before contact and temporal consistency; planted:
-after both. Lag: of what is mapped, behind the labels. Tracked: the robot's feet within 8 cm and its
-trunk within 15° of what was meant. Falls: of people who drive under Table I, with the shipped
-experts in the other states; a dash where no fall was seen.
+Pairs needed: the fewest, of whole performances of some 150, that do within 10 % of the best (of
+these C takes 40, GMR one). Times are the processor's. Joints: as mapped, before contact and
+temporal consistency; planted: after both. Lag: of what is mapped, behind the labels. Went: from the
+first place to the last, of what was meant. Tracked: the robot's feet within 8 cm and its trunk
+within 15° of what was meant. Falls: of people who drive under Table I, with the shipped experts in
+the other states; a dash where no fall was seen.
 
 ## What each is given, what it refuses, where it fails
 """
