@@ -1,6 +1,8 @@
 """Generated steps: as fast as the network says, in time with the person, and up where mapped ones
 fell."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,6 +11,7 @@ from studio.control.staleness import stale_command
 from studio.evaluation import long_drive
 from studio.evaluation.behind import met
 from studio.human.skeleton import INDEX
+from studio.options import Steps
 from studio.reference.intent import Intent
 from studio.robot.a1 import CONTROL_DT, LEGS
 from studio.synthetic.impaired import walking
@@ -20,7 +23,7 @@ FELL = (101, 75.0)
 """A person under whom mapped steps fall at 67 s by Table I's draw, and for how long they walk."""
 
 
-def driven(*parts, seed=1, steps="generated"):
+def driven(*parts, seed=1, steps: Steps = "generated"):
     """Ticks of somebody held out who means each intent for so many seconds, in physics."""
     operator = InteractiveOperator(seed=HELD_OUT_SEED + seed, family="held_out")
     puppeteer = met(operator, PuppeteerConfig(steps=steps))
@@ -95,6 +98,8 @@ def test_a_style_whose_people_do_not_step_walks_at_a_pace_of_its_own():
 @pytest.mark.slow
 def test_it_stays_up_where_mapped_steps_fell():
     seed, seconds = FELL
-    case = dict(source="operator:walk", dynamics="table_i", sensor="dropped", seconds=seconds)
-    assert long_drive.endure(long_drive.Case(**case), seed).falls
-    assert not long_drive.endure(long_drive.Case(steps="generated", **case), seed).falls
+    mapped = long_drive.Case(
+        source="operator:walk", dynamics="table_i", sensor="dropped", seconds=seconds
+    )
+    assert long_drive.endure(mapped, seed).falls
+    assert not long_drive.endure(replace(mapped, steps="generated"), seed).falls
