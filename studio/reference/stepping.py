@@ -52,6 +52,10 @@ class Stepper:
         self._task = task
         self.phase, self.cadence = gait.REST_PHASE, 0.0
 
+    def behind(self, phase: float) -> float:
+        """Strides by which the steps are behind a phase, the shorter way round: [-0.5, 0.5)."""
+        return (phase - self.phase + 0.5) % 1.0 - 0.5
+
     def step(
         self, dt: float, goal: float, speed: float, side: float = 0.0, turn: float = 0.0
     ) -> Intent:

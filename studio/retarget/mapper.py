@@ -57,6 +57,23 @@ class Mapped:
     turn: float | None = None
 
 
+_SHAPES = {"joint_pos": (12,), "base_quat": (4,), "rates": (NUM_RATES,), "contact_prob": (4,)}
+
+
+def misfit(said: Mapped) -> str:
+    """In what the answer to one frame is none that a robot can be given; "" where it is one.
+
+    AttributeError, TypeError or ValueError for what is no answer at all.
+    """
+    for part, shape in _SHAPES.items():
+        value = np.asarray(getattr(said, part))
+        if value.shape != shape:
+            return f"{part} must be {shape}, not {value.shape}"
+        if not np.isfinite(value).all():
+            return f"{part} must be finite"
+    return ""
+
+
 class Expert(Protocol):
     """What a state's expert is, trained or made of rules.
 

@@ -95,5 +95,5 @@ class PacedStride:
         reached = float(gait.speed_limit(march.cadence)) if march.cadence > 0.0 else 0.0
         if reached < NEARLY * speed:
             return forward_cadence(speed), speed
-        behind = (march.phase - self._stepper.phase + 0.5) % 1.0 - 0.5
-        return march.cadence * (1.0 + IN_STEP * behind), min(speed, reached)
+        quicker = 1.0 + IN_STEP * self._stepper.behind(march.phase)
+        return march.cadence * quicker, min(speed, reached)

@@ -15,7 +15,7 @@ from studio.human.features import FEATURE_DIM
 from studio.options import STYLES
 from studio.paths import package_folder
 from studio.retarget.experts import EXPERTS
-from studio.retarget.mapper import Expert, Mapper
+from studio.retarget.mapper import Expert, Mapper, misfit
 from studio.retarget.selector import Prototypes
 from studio.retarget.semantic import SemanticWalk
 from studio.takes.untrusted import Name, read_json
@@ -153,10 +153,7 @@ def _tried(
 
 
 def _maps(expert: Mapper) -> bool:
-    said = expert(np.zeros(3 * FEATURE_DIM))
-    values = (said.joint_pos, said.base_quat, said.rates, said.contact_prob)
-    shapes = [np.shape(value) for value in values]
-    return shapes == [(12,), (4,), (36,), (4,)] and all(np.isfinite(v).all() for v in values)
+    return not misfit(expert(np.zeros(3 * FEATURE_DIM)))
 
 
 def _selects(prototypes: Prototypes) -> bool:

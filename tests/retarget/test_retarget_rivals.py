@@ -13,9 +13,10 @@ from studio.reference.intent import STATES, StateName
 from studio.retarget.baselines import dontcheva2003, gmr, kim2020, yamane2010
 from studio.retarget.baselines.frames import Targets
 from studio.retarget.baselines.moving import Moving, pose_rows
-from studio.retarget.baselines.registry import RIVALS, fit_rival
+from studio.retarget.baselines.registry import RIVALS
 from studio.retarget.mapper import RATES, Expert
 from studio.robot import a1, kinematics
+from studio.training import rivals
 from studio.training.operator_pairs import PairSet
 from studio.training.train_mapper import make_pairs
 
@@ -41,7 +42,7 @@ def strangers(state: StateName) -> PairSet:
 
 @cache
 def fitted(name: str, state: StateName) -> Expert:
-    return fit_rival(name, state, pairs_of(state), seed=0)
+    return rivals.fitted(name, state, pairs_of(state), seed=0)
 
 
 @pytest.mark.parametrize(("name", "state"), PLACES)
@@ -89,12 +90,12 @@ def test_what_is_learnt_beats_doing_nothing_on_strangers(name: str, state: State
 @pytest.mark.parametrize("state", ["stand", "sit"])
 def test_who_maps_cycles_refuses_those_who_make_none_and_says_what_would_work(state) -> None:
     with pytest.raises(StudioError, match=r"--state walk.*yamane2010"):
-        fit_rival(CYCLIC, state, pairs_of(state))
+        rivals.fitted(CYCLIC, state, pairs_of(state))
 
 
 def test_an_unknown_rival_is_answered_with_the_known_ones() -> None:
     with pytest.raises(StudioError, match="seol2013"):
-        fit_rival("merlin", "walk", pairs_of("walk"))
+        rivals.fitted("merlin", "walk", pairs_of("walk"))
 
 
 def test_every_rival_says_where_it_is_from_and_where_it_ends() -> None:

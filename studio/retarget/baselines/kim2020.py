@@ -129,8 +129,7 @@ class _March:
         before = stepper.phase
         intent = stepper.step(CONTROL_DT, goal, speed)
         if goal > 0.0:
-            meant = (cycle.phase + self._map.ahead) / (2.0 * math.pi)
-            late = (meant - stepper.phase + 0.5) % 1.0 - 0.5
+            late = stepper.behind((cycle.phase + self._map.ahead) / (2.0 * math.pi))
             stepper.phase = max(before, stepper.phase + PULL * late)
             intent = replace(intent, phase=stepper.phase, lift=lift)
         return _in_plane(self._striding.step(intent))

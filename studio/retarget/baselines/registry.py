@@ -6,7 +6,6 @@ Every one takes a state's pairs and becomes that state's expert (`retarget.mappe
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from studio.errors import unknown_name
 from studio.reference.intent import StateName
 from studio.retarget.baselines.dontcheva2003 import MIMICKED, Dontcheva2003
 from studio.retarget.baselines.frames import Memoryless, Pairs, Targets
@@ -80,10 +79,3 @@ RIVALS: dict[str, Rival] = {
     ),
 }
 """In the order of the table; "expert", ours, is not among them."""
-
-
-def fit_rival(name: str, state: StateName, pairs: Pairs, seed: int = 0) -> Expert:
-    """The rival as a state's expert. StudioError for an unknown name, or pairs it cannot map."""
-    if name not in RIVALS:
-        raise unknown_name("mapper", name, RIVALS)
-    return RIVALS[name].fit(state, pairs, seed)
