@@ -13,11 +13,12 @@ PATIENCE = 3.0 * PAGE_LIMIT
 # s from the navigation until the figures are drawn, and bytes of our own scripts until then.
 _READY = """new Promise(done => {
   const look = () => {
-    if (!document.querySelector('#veil.gone')) return setTimeout(look, 20);
-    const now = performance.now();
+    const [figures] = performance.getEntriesByName('figures');
+    if (!figures) return setTimeout(look, 20);
+    const ready = figures.startTime;  // whoever looks late has not to count what came since
     const own = performance.getEntriesByType('resource').filter(({ name, responseEnd }) =>
-      new URL(name).pathname.startsWith('/assets/js/') && responseEnd <= now);
-    done([now / 1000, own.reduce((sum, one) => sum + one.decodedBodySize, 0), own.length]);
+      new URL(name).pathname.startsWith('/assets/js/') && responseEnd <= ready);
+    done([ready / 1000, own.reduce((sum, one) => sum + one.decodedBodySize, 0), own.length]);
   };
   look();
 })"""

@@ -123,6 +123,7 @@ const view = new View({
     push.listen(target);
   },
   ready: () => {
+    performance.mark("figures");
     $("#veil").classList.add("gone");
     collect.soon();
     plots.soon();

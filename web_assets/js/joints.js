@@ -1,9 +1,8 @@
-// What was read of the source, and the joint map: which of its joints is which of a person's.
+// The joint map: which of a source's joints is which of a person's.
 
 import { $, attempt, el, text, toast } from "./dom.js";
-import { capital, jointName, reportLine } from "./words.js";
+import { capital, jointName } from "./words.js";
 
-/** @import { State } from "../types/page.js" */
 /** @import { Studio } from "./studio.js" */
 
 const NONE = "\u0000none"; // no file can call a joint so
@@ -11,12 +10,10 @@ const NONE = "\u0000none"; // no file can call a joint so
 export class Joints {
   #dialog = /** @type {HTMLDialogElement} */ ($("#joints"));
   #source = "";
-  #shown = "";
 
   /** @param {Studio} studio */
   constructor(studio) {
     this.studio = studio;
-    $("#joints-edit").addEventListener("click", () => attempt(() => this.show()));
     $("#joints-save").addEventListener("click", () => attempt(() => this.#save(this.#said())));
     $("#joints-forget").addEventListener("click", () => attempt(() => this.#save({})));
     $("#joints-close").addEventListener("click", () => this.#dialog.close());
@@ -92,23 +89,5 @@ export class Joints {
   #complain(why) {
     text($("#joints-error"), why);
     $("#joints-error").hidden = !why;
-  }
-
-  /** The report under the drop zone. @param {State} state */
-  draw({ source, source_report, arrivals }) {
-    const { joints_missing, notes, refused } = source_report;
-    const file = /^(bvh|frames):/.test(source);
-    $("#load").hidden = !file && refused.frames === 0 && !arrivals;
-    text($("#load summary"), reportLine(source_report, arrivals));
-    const shown = JSON.stringify([source, source_report]);
-    if (shown === this.#shown) return;
-    this.#shown = shown;
-    const lines = [
-      joints_missing.length ? `Missing: ${joints_missing.map(jointName).join(", ")}.` : "",
-      ...notes.map((note) => `${capital(note)}.`),
-      ...refused.why.map((why) => `Refused: ${why}.`),
-    ].filter(Boolean);
-    $("#load ul").replaceChildren(...lines.map((line) => el("li", {}, line)));
-    $("#joints-edit").hidden = !source.startsWith("bvh:");
   }
 }

@@ -33,6 +33,8 @@ export class PlotDock {
   #bench = null;
   /** What is known of it. @type {Series | null} */
   #series = null;
+  /** On its way. @type {ReturnType<PlotDock["ask"]> | null} */
+  #asked = null;
   #t = 0;
 
   /** @param {Api} api @param {Signals} signals */
@@ -62,17 +64,16 @@ export class PlotDock {
 
   /** What is live, or a take; anew, too, where the dock was opened or closed. */
   async show(/** @type {Bench | null} */ bench) {
-    if (bench !== this.#bench) this.#series = null;
+    if (bench !== this.#bench) this.#series = this.#asked = null;
     this.#bench = bench;
     this.#t = 0;
     let trouble = "";
     if (bench && this.#dock.open && !this.#series) {
       this.#make();
-      const known = { name: bench.name, points: POINTS };
-      const series = await this.api
-        .get("/api/takes/{name}/series", known)
-        .catch((error) => void (trouble = capital(error.message)));
+      const asked = (this.#asked ??= this.ask(bench)); // opened while a take is: asked for once
+      const series = await asked.catch((error) => void (trouble = capital(error.message)));
       if (bench !== this.#bench) return; // another one is shown by now
+      this.#asked = null;
       this.#series = series ?? null;
       if (series?.problem) trouble = `The take ends early: ${series.problem}`;
     }
@@ -80,6 +81,9 @@ export class PlotDock {
     $("#plot-error").hidden = !trouble;
     this.#make();
   }
+
+  /** Its signals over time. @param {Bench} bench */
+  ask = ({ name }) => this.api.get("/api/takes/{name}/series", { name, points: POINTS });
 
   /** The time at which the take is shown, s. @param {number} t */
   at(t) {

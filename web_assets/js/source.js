@@ -1,9 +1,9 @@
 // The source panel: the synthetic person's tasks, the keyboard, a dropped file, calibration.
 
 import { $, $input, $select, attempt, el, text, toast } from "./dom.js";
-import { Joints } from "./joints.js";
 import { Refused, filled } from "./net.js";
 import { capital, sourceName, spoken } from "./words.js";
+import { SourceReport } from "./source-report.js";
 
 /** @import { State } from "../types/page.js" */
 /** @import { Studio } from "./studio.js" */
@@ -37,7 +37,7 @@ export class SourcePanel {
   /** @param {Studio} studio */
   constructor(studio) {
     this.studio = studio;
-    this.joints = new Joints(studio);
+    this.report = new SourceReport(studio);
     const choose = (/** @type {string} */ source) =>
       attempt(() => studio.api.post("/api/source", { source }));
     const task = $select("#task");
@@ -93,7 +93,7 @@ export class SourcePanel {
       if (!(error instanceof Refused)) throw error;
       const { source } = error.data;
       // Its joints are called as no convention does: a person can say which is which.
-      if (typeof source === "string") await this.joints.show(source);
+      if (typeof source === "string") await this.report.map(source);
       this.#complain(
         typeof source === "string" ? error.message.split(": looked for")[0] : error.message,
       );
@@ -120,7 +120,7 @@ export class SourcePanel {
   /** @param {State} state */
   draw(state) {
     const { source, tasks, mirror, calibration } = state;
-    this.joints.draw(state);
+    this.report.draw(state);
     if (source !== this.#shown) {
       this.#shown = source;
       this.#complain("");
