@@ -112,6 +112,12 @@ def _stream(o: Opening) -> Source:
     return StreamSource(o.spec)
 
 
+def _headset(o: Opening) -> Source:
+    from studio.synthetic.headset import HeadsetSource
+
+    return HeadsetSource(o.spec)
+
+
 def _vmc(o: Opening) -> Source:
     from studio.mocap.vmc import VmcSource
 
@@ -140,6 +146,9 @@ SOURCES: dict[str, SourceKind] = {
     ),
     "stream": SourceKind(
         usage="stream", about="frames sent to WS /api/human", open=_stream, served=True
+    ),
+    "headset": SourceKind(
+        usage="headset", about="head and hands by WebXR (/camera)", open=_headset, served=True
     ),
     "vmc": SourceKind(
         usage="vmc[:PORT]", about="an app's VMC over UDP (39539)", open=_vmc, served=True
