@@ -31,8 +31,9 @@ from studio.synthetic.operator import FollowingOperator, InteractiveOperator
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
 
-FED = [name for name, kind in SOURCES.items() if kind.served and name != "vmc"]
-"""Sources that give what is sent to them; vmc hears packets."""
+LIVE = [name for name, kind in SOURCES.items() if kind.served]
+FED = [name for name in LIVE if name not in ("vmc", "headset")]
+"""Sources that give the person that is sent to them; vmc hears packets, a headset shows less."""
 
 
 APPS: dict[int, vmc_sender.Sender] = {}
@@ -153,7 +154,8 @@ def feed(source: Source, k: int) -> None:
         while source._gate.accepted == before:
             time.sleep(0.001)
     with contextlib.suppress(TakesNoFrames):
-        source.push(frame(k / 30, 0.01 * k))
+        worn = {"t": k / 30, "head": [0.01 * k, 1.6, 0, 0, 0, 0, 1]}
+        source.push(worn if source.name == "headset" else frame(k / 30, 0.01 * k))
 
 
 @pytest.mark.parametrize("name", sorted(SOURCES))
@@ -201,7 +203,7 @@ def test_every_source_calibrates_from_what_it_can_and_closes_twice(opened, name)
     source = opened(name)
     scanned = source.calibration_poses()
     assert isinstance(source.starts_live, bool)
-    assert source.starts_live == (name not in (*FED, "vmc"))
+    assert source.starts_live == (name not in LIVE)
     if source.duration is not None:
         assert len(scanned) >= 10
     for pose in scanned:
@@ -219,6 +221,10 @@ def test_every_source_takes_frames_or_says_where_they_go(opened, name):
         given = source.read(0.0)
         assert given is not None
         assert given.joint_pos_w == pytest.approx(NEUTRAL)
+    elif name == "headset":
+        with pytest.raises(FrameRejected, match="a headset's frame is"):
+            source.push(frame(0.0))
+        return
     else:
         with pytest.raises(TakesNoFrames, match="set the source to stream") as refused:
             source.push(frame(0.0))

@@ -35,8 +35,15 @@ _BODY = Body()
 _PERSON = Person(
     body=_BODY,
     # Angles as they are, and no lean that only balance would ask for: the head says how far.
-    habits=replace(Habits(), gain=np.ones(4), slouch=0.0, crouch_lean=0.0, head_share=0.0,
-    turn_yaw=3.2, turn_lean=0.6),
+    habits=replace(
+        Habits(),
+        gain=np.ones(4),
+        slouch=0.0,
+        crouch_lean=0.0,
+        head_share=0.0,
+        turn_yaw=3.2,
+        turn_lean=0.6,
+    ),
 )
 _TRUNK = _BODY.trunk + _BODY.neck + _BODY.head  # m, pelvis to head
 _AHEAD, _ASIDE = _TRUNK - _PERSON.habits.hips_back, _TRUNK - 0.5 * _PERSON.habits.hips_back
@@ -156,7 +163,7 @@ class HeadsetPerson:
     def _learn(self, head: Array, yaw: float, down: float, bowed: float, dt: float) -> None:
         """Where they stand, which way, how tall: slowly, but for what cannot be a lean."""
         # Who leans that far comes down by it; who does not has made a step.
-        stepped = bowed > 0.03 and down < 0.5 * bowed
+        stepped = bowed > 0.01 and down < 0.5 * bowed
         self._home += (head[:2] - self._home) * min(1.0, dt / (_STEPPED if stepped else _SLOW))
         off = geometry.wrap_angle(yaw - self._heading).item()
         self._heading += off * min(1.0, dt / _TURNS) * (1.0 - self._walk) + _beyond(off, _TURNED)

@@ -181,8 +181,8 @@ def may(kind: str, method: str, path: str) -> bool:
     return path in _PATHS.get(method, ())
 
 
-SOURCES, MODES = ("webcam",), ("idle", "live")
-"""What a phone may choose: to be the camera, or to rest."""
+SOURCES, MODES = ("webcam", "headset"), ("idle", "live")
+"""What a phone may choose: to be the camera (a headset: itself), or to rest."""
 MAX_BODY = 4096
 """Bytes of a request of a phone's."""
 
