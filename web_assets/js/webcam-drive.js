@@ -2,15 +2,30 @@
 // ring is full, then the robot is armed. Whatever stops the robot ends it.
 
 import { Quiet } from "./webcam-framing.js";
-import { HumanLink } from "./webcam-link.js";
+import { HumanLink, humanFrame } from "./webcam-link.js";
 import { doing, stopped } from "./status.js";
 import { capital } from "./words.js";
 
 /** @import { State } from "../types/page.js" */
 /** @import { Api } from "./net.js" */
-/** @import { Seen } from "./webcam-framing.js" */
+/**
+ * What sees the person. source: as the studio calls it. quiet: how long they have kept quiet.
+ * frame: what the studio is sent of what was seen. still: what to do until the ring is full.
+ *
+ * @typedef {{ source: string, frame: (seen: any) => object | null, still: string,
+ *   quiet: { reset: () => void, push: (seen: any, framed: boolean) => number } }} Sensor
+ */
 
-const SOURCE = "webcam";
+/** @returns {Sensor} */
+const webcam = (quiet = new Quiet()) => ({
+  source: "webcam",
+  frame: humanFrame,
+  still: "Stand upright and quiet until the ring is full",
+  quiet: {
+    reset: () => quiet.reset(),
+    push: ({ world, t }, framed) => quiet.push(world, t, framed),
+  },
+});
 const EVERY = 300; // ms between looks at the studio's state
 
 export class Driving {
@@ -23,16 +38,22 @@ export class Driving {
   state = null;
   /** Frames that the studio refused, and why the last one was. */
   refused = { frames: 0, why: "" };
-  #quiet = new Quiet();
-  #link = new HumanLink({
-    refused: (why) => (this.refused = { frames: this.refused.frames + 1, why }),
-    lost: () => this.#end("The studio does not answer: is it still running?"),
-  });
+  #link;
 
-  /** @param {Api} api @param {(line: string) => void} say what the person has to know */
-  constructor(api, say) {
+  /**
+   * @param {Api} api @param {(line: string) => void} say what the person has to know
+   * @param {Sensor} sensor
+   */
+  constructor(api, say, sensor = webcam()) {
     this.api = api;
     this.say = say;
+    this.sensor = sensor;
+    const hooks = {
+      refused: (/** @type {string} */ why) =>
+        (this.refused = { frames: this.refused.frames + 1, why }),
+      lost: () => this.#end("The studio does not answer: is it still running?"),
+    };
+    this.#link = new HumanLink(hooks, sensor.frame);
     setInterval(() => this.#look(), EVERY);
   }
 
@@ -40,10 +61,10 @@ export class Driving {
   async begin() {
     this.#took(await this.api.get("/api/state"));
     if (this.state?.needs_reset) this.#took(await this.api.post("/api/reset"));
-    if (this.state?.source !== SOURCE)
-      this.#took(await this.api.post("/api/source", { source: SOURCE }));
+    const { source, quiet } = this.sensor;
+    if (this.state?.source !== source) this.#took(await this.api.post("/api/source", { source }));
     this.refused = { frames: 0, why: "" };
-    this.#quiet.reset();
+    quiet.reset();
     this.#link.open();
     this.filled = 0;
     this.stage = "quiet";
@@ -61,18 +82,18 @@ export class Driving {
     this.#took(await this.api.post("/api/stop"));
   }
 
-  /** @param {Seen} seen @param {boolean} framed whether all of the person is in the picture */
+  /** @param {{ t: number }} seen @param {boolean} framed whether nothing of them is missing */
   push(seen, framed) {
     if (this.stage === "off") return;
     this.#link.send(seen);
     if (this.stage !== "quiet" || this.filled === 1) return;
-    this.filled = this.#quiet.push(seen.world, seen.t, framed);
+    this.filled = this.sensor.quiet.push(seen, framed);
     if (this.filled === 1) this.#arm();
   }
 
   /** What the robot does, or why it does nothing. */
   get line() {
-    if (this.stage === "quiet") return "Stand upright and quiet until the ring is full";
+    if (this.stage === "quiet") return this.sensor.still;
     if (!this.state || this.stage === "off") return "";
     return doing(this.state);
   }
@@ -105,7 +126,7 @@ export class Driving {
     const { state } = this;
     if (this.stage !== "on" || !state) return;
     if (state.stopped) this.#end(`${stopped(state).title}: press Drive to stand up and go on`);
-    else if (state.source !== SOURCE) this.#end("Another source drives now");
+    else if (state.source !== this.sensor.source) this.#end("Another source drives now");
   }
 
   /** @param {State} state */

@@ -24,9 +24,13 @@ export class HumanLink {
   #socket = null;
   sent = 0;
 
-  /** @param {{ refused: (why: string) => void, lost: () => void }} hooks */
-  constructor(hooks) {
+  /**
+   * @param {{ refused: (why: string) => void, lost: () => void }} hooks
+   * @param {(seen: any) => object | null} frame what is sent of what was seen
+   */
+  constructor(hooks, frame) {
     this.hooks = hooks;
+    this.frame = frame;
   }
 
   /** A connection of its own for each time that somebody drives: its clock begins anew. */
@@ -45,10 +49,10 @@ export class HumanLink {
     socket?.close();
   }
 
-  /** Send what was seen; nobody seen is nothing to send. @param {Seen} seen */
+  /** Send what was seen; nobody seen is nothing to send. @param {{ t: number }} seen */
   send(seen) {
     const socket = this.#socket;
-    const frame = performance.now() / 1000 - seen.t < OLD ? humanFrame(seen) : null;
+    const frame = performance.now() / 1000 - seen.t < OLD ? this.frame(seen) : null;
     if (!frame || socket?.readyState !== WebSocket.OPEN || socket.bufferedAmount > BACKLOG) return;
     socket.send(JSON.stringify(frame));
     this.sent += 1;

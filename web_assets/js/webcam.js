@@ -10,6 +10,7 @@ import { painter } from "./webcam-paint.js";
 import { typing } from "./keys.js";
 import { capital } from "./words.js";
 
+/** @import { Headset } from "./headset.js" */
 /** @import { Seen } from "./webcam-framing.js" */
 
 const RATE_OVER = 2000; // ms
@@ -27,7 +28,10 @@ class CameraPage {
   #times = [];
   #video = /** @type {HTMLVideoElement} */ ($("#video"));
   #paint = painter($canvas("#overlay"));
-  driving = new Driving(new Api(), (line) => this.say(line));
+  api = new Api();
+  driving = new Driving(this.api, (line) => this.say(line));
+  /** Loaded when it is put on. @type {Headset | null} */
+  headset = null;
   model = new PoseModel({
     seen: (seen) => this.#look(seen),
     ready: (delegate) => {
@@ -98,12 +102,20 @@ class CameraPage {
     select.value = this.camera.id;
   }
 
+  /** What drives, or would: the headset while it is on. */
+  get driver() {
+    return this.headset?.on ? this.headset.driving : this.driving;
+  }
+
   draw() {
-    const { seen, hint, camera, driving } = this;
+    const { seen, hint, camera, driver: driving } = this;
+    const on = Boolean(this.headset?.on);
+    $("#headset").setAttribute("aria-pressed", String(on));
+    text($("#headset"), on ? "Headset off" : "Headset on");
     document.body.dataset.camera = camera.on ? "on" : "off";
     text($("#start"), camera.on ? "Camera off" : "Camera on");
     const drives = driving.stage !== "off";
-    $button("#drive").disabled = !camera.on;
+    $button("#drive").disabled = !camera.on && !on;
     $("#drive").setAttribute("aria-pressed", String(drives));
     text($("#drive"), drives ? "Stop driving" : "Drive the robot");
     text($("#hint"), camera.on ? hint : "");
@@ -130,14 +142,43 @@ class CameraPage {
   /** Drive, or stop driving. */
   drive() {
     return this.#attempt(async () => {
-      if (this.driving.stage !== "off") return this.driving.end();
+      if (this.driver.stage !== "off") return this.driver.end();
       this.say("");
-      await this.driving.begin();
+      await this.driver.begin();
     });
   }
 
   stop() {
-    return this.#attempt(() => this.driving.stop());
+    return this.#attempt(() => this.driver.stop());
+  }
+
+  /** Put the headset on, or take it off. */
+  wear() {
+    return this.#attempt(async () => {
+      if (this.headset?.on) return this.headset.end();
+      if (this.camera.on) this.off("");
+      this.say("");
+      const { Headset } = await import("./headset.js");
+      const hooks = {
+        say: (/** @type {string} */ line) => this.say(line),
+        changed: () => this.draw(),
+      };
+      this.headset ??= new Headset(this.api, hooks);
+      await this.headset.begin();
+    });
+  }
+
+  /** Whether there is a headset, or what would bring one here. */
+  async lookForHeadset() {
+    const modes = /** @type {const} */ (["immersive-ar", "immersive-vr"]);
+    const found = await Promise.all(
+      modes.map((mode) => navigator.xr?.isSessionSupported(mode).catch(() => false)),
+    );
+    $("#headset").hidden = !found.some(Boolean);
+    const how = window.isSecureContext
+      ? "open this page in its own browser, as a phone is invited (serve with --phone)"
+      : "open this page by https or as http://localhost";
+    text($("#headset-why"), found.some(Boolean) ? "" : `A headset drives, too: ${how}.`);
   }
 }
 
@@ -147,6 +188,8 @@ Object.assign(window, { a1camera: page }); // for tests and the curious
 $("#start").addEventListener("click", () => (page.camera.on ? page.off("") : page.on()));
 $("#drive").addEventListener("click", () => page.drive());
 $("#stop").addEventListener("click", () => page.stop());
+$("#headset").addEventListener("click", () => page.wear());
+navigator.xr?.addEventListener("devicechange", () => page.lookForHeadset());
 for (const id of ["device", ...KEPT])
   $(`#${id}`).addEventListener("change", () => {
     if (KEPT.includes(id)) localStorage.setItem(`camera-${id}`, $select(`#${id}`).value);
@@ -190,4 +233,5 @@ document.documentElement.dataset.theme =
 document.body.classList.toggle("small", new URLSearchParams(location.search).has("panel"));
 setInterval(() => page.draw(), 500);
 page.draw();
+page.lookForHeadset();
 hears("main, footer");
