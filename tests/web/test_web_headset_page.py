@@ -15,7 +15,10 @@ IWER = package_folder("web_assets") / "node_modules" / "iwer" / "build" / "iwer.
 TALL = 1.65
 WORN = f"""
   window.device = new IWER.XRDevice(IWER.metaQuest3);
-  device.installRuntime();
+  device.installRuntime({{ forceInstall: true }});
+  // iwer says of every place that it is only guessed.
+  Object.defineProperty(XRPose.prototype, "emulatedPosition", {{ get: () => window.guessed }});
+  window.guessed = false;
   window.wear = ({{ head = [0, {TALL}, 0], turned = [0, 0, 0, 1], left = [-0.25, 0.85, -0.1],
                    right = [0.25, 0.85, -0.1], stick = [0, 0] }}) => {{
     device.position.set(...head);
@@ -122,6 +125,16 @@ def test_behind_the_headsets_menu_nobody_is_followed(driving, served):
     served.wait(lambda s: s["reason"] == "stale" and s["state"] == "stand")
     wear(driving)
     driving.evaluate("() => device.updateVisibilityState('visible')")
+    served.wait(lambda s: s["reason"] == "")
+
+
+def test_who_is_no_longer_tracked_is_not_followed(driving, served):
+    wear(driving, stick=[0, -1])
+    served.wait(lambda s: s["state"] == "walk")
+    driving.evaluate("() => { guessed = true; }")
+    served.wait(lambda s: s["reason"] == "stale" and s["state"] == "stand")
+    wear(driving)
+    driving.evaluate("() => { guessed = false; }")
     served.wait(lambda s: s["reason"] == "")
 
 
