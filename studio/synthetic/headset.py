@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from studio.human.pose import HumanPose
 from studio.human.sensor_skeletons import skeleton_of
 from studio.human.skeleton import JOINTS
+from studio.mocap.gate import MAX_TIME
 from studio.mocap.raw_frame import MAX_BYTES, FrameRejected
 from studio.mocap.source_report import SourceReport
 from studio.mocap.stream import StreamSource
@@ -82,7 +83,9 @@ def worn(raw: object) -> Worn:
         raise FrameRejected(f"{why}; a headset's frame is {said}") from None
     x, y, z, *turned = frame.head
     places = [(x, y, z), *(p for p in (frame.left, frame.right, *(frame.body or ())) if p)]
-    # Comparisons are written so that NaN fails them.
+    # Comparisons are written so that NaN fails them: a person remembers what they are told.
+    if not abs(frame.t) <= MAX_TIME:
+        raise FrameRejected(f"t = {frame.t:g} is no time in seconds")
     if not all(abs(v) <= FAR for place in places for v in place):
         raise FrameRejected(f"a place is not finite or beyond {FAR:g} m: places are in metres")
     if not all(abs(v) <= 2.0 for v in frame.stick):

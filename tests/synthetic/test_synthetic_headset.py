@@ -1,5 +1,6 @@
 """A headset's frames: what they show is kept, the rest is inferred and said to be, and drives."""
 
+import json
 import math
 
 import numpy as np
@@ -213,3 +214,31 @@ def test_more_frames_than_a_person_needs_are_refused_before_they_are_read(monkey
     monkeypatch.setattr("studio.synthetic.headset.worn", lambda raw: pytest.fail("read"))
     with pytest.raises(FrameRejected, match="frames a second"):
         opened.push(frame(1.0))
+
+
+def test_of_frames_with_anything_in_them_each_is_refused_or_makes_a_person():
+    rng = np.random.default_rng(1)
+    opened, clock = source()
+    odd = [None, "x", [], True, 1e9, -1e308, math.nan, math.inf, 0.0]
+    made = 0
+    for k in range(2000):
+        clock[0] = k / 30
+        one = frame(k / 30, stick=rng.normal(size=2).tolist(), body=body_at())
+        key = str(rng.choice(list(one)))
+        value = odd[rng.integers(len(odd))]
+        if isinstance(one[key], list) and rng.random() < 0.7:
+            one[key] = [*one[key]]
+            one[key][rng.integers(len(one[key]))] = value
+        elif rng.random() < 0.7:
+            one[key] = value
+        try:
+            opened.push(json.dumps(one) if rng.random() < 0.7 else one)
+        except FrameRejected:
+            continue
+        made += 1
+        pose = opened.read(0.0)
+        assert pose is not None
+        assert np.isfinite(pose.joint_pos_w).all()
+        assert ((pose.confidence >= 0.0) & (pose.confidence <= 1.0)).all()
+    assert 200 < made < 1800
+    assert opened.rejected == 2000 - made
