@@ -117,6 +117,21 @@ def test_the_first_minute_is_guided_to_a_mapper_of_one_s_own(served, browsing):
     served.client.post("/api/mode", json={"mode": "live"})
 
 
+def test_the_guide_asks_nobody_to_drive_where_the_robot_follows_nobody(served, browsing):
+    served.client.post("/api/source", json={"source": "operator:quiet"})
+    with browsing.page(served, 1024, 700) as page:
+        drawn(page)
+        click(page, '#mode [data-mode="collect"]')
+        until(page, "() => a1studio.state.mode === 'collect'")
+        until(page, "() => !document.querySelector('#guide').innerText.includes('hold W')")
+        step(page, "Go to Live")
+        served.wait(lambda s: s["mode"] == "live")
+        step(page, "Use the keyboard")
+        assert "hold W" in page.inner_text("#guide")
+        served.wait(lambda s: s["source"] == "operator:interactive")
+    served.client.post("/api/source", json={"source": "operator:quiet"})
+
+
 def test_the_guide_is_skipped_for_good_and_found_again(served, browsing):
     with browsing.page(served, 1024, 700) as page:
         drawn(page)

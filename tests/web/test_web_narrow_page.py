@@ -8,7 +8,8 @@ from served import Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(900)]
 
-PHONES = ((390, 844), (360, 640))
+PHONES = ((390, 844), (360, 640), (844, 390), (667, 375))
+"""Upright and held sideways."""
 LAID_OVER = """() => {
   const names = '.stage-record, .cameras, .looks, #scene-over, #eye, #stopped, #underway, ' +
     '#watching, #asked, #coach, #coach-actions, #bench, .caption, #transport, #vocabulary, ' +
@@ -99,6 +100,38 @@ def test_nothing_lies_over_anything_on_a_phone_live_and_with_a_scene(page, narro
     scene(narrow, page, "free")
 
 
+BESIDE = """() => {
+  const box = (what) => document.querySelector(what).getBoundingClientRect();
+  const [view, main, stop] = ['.sight', 'main', '#stop'].map(box);
+  const whole = [...document.querySelectorAll('dialog[open], #pad button')].map((node) =>
+    node.getBoundingClientRect()).filter(({ bottom }) => bottom > stop.top);
+  return { high: view.height / main.height, wide: view.width / main.width, whole: whole.length };
+}"""
+"""How much of the room between header and STOP the view has; what reaches below it."""
+
+
+def test_held_sideways_the_view_stays_beside_whatever_is_scrolled(browsing, narrow):
+    with browsing.page(narrow, 844, 390, has_touch=True, is_mobile=True) as page:
+        drawn(page)
+        click(page, "#keys-drive")
+        until(page, "() => !document.querySelector('#pad').hidden")
+        page.wait_for_timeout(600)
+        found = page.evaluate(BESIDE)
+        assert found["high"] > 0.99
+        assert 0.45 < found["wide"] < 0.55
+        assert found["whole"] == 0  # all keys of the pad at once
+        clear(page, ((844, 390),))
+        page.keyboard.press("Control+k")
+        until(page, "() => document.querySelectorAll('#palette li').length > 8")
+        assert page.evaluate(BESIDE)["whole"] == 0  # STOP stays free
+        page.evaluate("() => document.querySelector('#palette').close()")
+        assert page.evaluate(REACHED)
+        click(page, "#help")
+        until(page, "() => document.querySelector('#shortcuts').open")
+        assert page.evaluate(BESIDE)["whole"] == 0
+    narrow.client.post("/api/source", json={"source": "operator:quiet"})
+
+
 LOW = ((1280, 800), (1280, 500), (1100, 520), (970, 700))
 
 
@@ -140,5 +173,7 @@ def test_nothing_lies_over_anything_on_a_phone_collecting_and_under_review(page,
     )
     clear(page)
     assert page.evaluate("() => document.querySelector('#view').clientHeight") >= 180
+    page.set_viewport_size({"width": 844, "height": 390})
+    assert page.evaluate("() => document.querySelector('#timeline').clientHeight") >= 120
     click(page, "#bench-close")
     until(page, "() => a1studio.state.mode === 'collect'")

@@ -111,6 +111,7 @@ const guide = new Guide({
   },
   review: takes.reviewLast,
   train: collect.keepAndTrain,
+  live: () => api.post("/api/mode", { mode: "live" }),
 });
 $("#guide-again").addEventListener("click", guide.begin);
 const push = new PushDoor(studio, () => view);

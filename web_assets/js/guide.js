@@ -6,12 +6,13 @@ import { $, $$, attempt, el, text } from "./dom.js";
 /** @import { State } from "../types/page.js" */
 
 /** What the page does for whoever presses a step's button. */
-/** @typedef {Record<"drive" | "sample" | "record" | "review" | "train", () => unknown>} Helps */
+/** @typedef {"drive" | "sample" | "record" | "review" | "train"} Step */
+/** @typedef {Record<Step | "live", () => unknown>} Helps */
 
 /**
  * `done`: whether the step is, given the state and the one before.
  *
- * @type {{ id: keyof Helps, words: string, button: string,
+ * @type {{ id: Step, words: string, button: string,
  *   done: (state: State, before: State) => boolean }[]}
  */
 export const STEPS = [
@@ -47,6 +48,12 @@ export const STEPS = [
   },
 ];
 const OFF = -1;
+/** The person drives the robot, and is recorded beside it, in mode live alone. */
+const LIVE = ["drive", "sample", "record"];
+const AWAY = {
+  words: "First back to Live: there the robot follows the person.",
+  button: "Go to Live",
+};
 
 export class Guide {
   #step = OFF;
@@ -63,7 +70,7 @@ export class Guide {
         { class: "row" },
         el("button", {
           class: "main",
-          onclick: () => attempt(() => helps[STEPS[this.#step].id]()),
+          onclick: () => attempt(() => helps[this.#away ? "live" : STEPS[this.#step].id]()),
         }),
         el("button", { class: "skip-guide", onclick: () => this.#go(OFF) }, "Skip"),
         el("div", { class: "dots", "aria-hidden": "true" }, ...STEPS.map(() => el("i"))),
@@ -82,15 +89,28 @@ export class Guide {
     localStorage.setItem("guide", String(this.#step));
     $("#guide").hidden = !now;
     if (!now) return;
-    text($("#guide p"), now.words);
-    text($("#guide .main"), now.button);
+    this.#say();
     $$("#guide i").forEach((dot, i) => dot.classList.toggle("on", i <= step));
+  }
+
+  /** Whether the step cannot be done in the mode that is on. */
+  get #away() {
+    const { mode = "live" } = this.#before ?? {};
+    return mode !== "live" && LIVE.includes(STEPS[this.#step].id);
+  }
+
+  #say() {
+    const { words, button } = this.#away ? AWAY : STEPS[this.#step];
+    text($("#guide p"), words);
+    text($("#guide .main"), button);
   }
 
   /** Ten times a second. @param {State} state */
   draw(state) {
     const before = this.#before ?? state;
     this.#before = state;
-    if (STEPS[this.#step]?.done(state, before)) this.#go(this.#step + 1);
+    if (this.#step === OFF) return;
+    this.#say();
+    if (STEPS[this.#step].done(state, before)) this.#go(this.#step + 1);
   }
 }

@@ -29,7 +29,6 @@ export function form() {
         ),
       ),
     ),
-    el("ul", { class: "note", id: "train-pairs", "aria-label": "What there is to learn from" }),
     el(
       "div",
       { class: "row" },
@@ -69,6 +68,8 @@ export function form() {
       el("button", { class: "main", id: "train-go" }, "Train"),
       el("button", { id: "train-cancel", hidden: true }, "Cancel"),
     ),
+    // Below the button, which must not move from under a finger when it comes.
+    el("ul", { class: "note", id: "train-pairs", "aria-label": "What there is to learn from" }),
     el("p", { class: "note", id: "train-says", role: "status" }),
     el("canvas", {
       class: "loss",
