@@ -27,8 +27,13 @@ TOUR = "operator"
 """Animated; the others make a library of takes."""
 DRIVEN = {TOUR: 45, "operator:sit_manipulate": 12, "operator:walk": 12, "operator:crouch": 9}
 """Sources that are recorded, s of each."""
-ANIMATED = (20.0, 6.0, 720)
+ANIMATED = (20.0, 4.0, 720)
 """s, frames a second, px wide."""
+ONLY_FIGURES = """() => {
+  for (const node of document.querySelectorAll('.stage-record, .cameras, .looks, #vocabulary'))
+    node.hidden = true;
+}"""
+"""Nothing over the view but captions, which have room over every head then."""
 
 NO_SPARING = """
   const ask = WebGL2RenderingContext.prototype.getParameter;
@@ -125,8 +130,9 @@ def library(page: Any, served: Served, folder: Path) -> None:
 def animation(browsing: Browsing, served: Served, take: str, folder: Path) -> None:
     """The end of a take, frame by frame: as smooth as on a quick machine."""
     seconds, rate, width = ANIMATED
-    with browsing.page(served, 1100, 640, script=NO_SPARING, reduced_motion="reduce") as page:
+    with browsing.page(served, 1100, 660, script=NO_SPARING, reduced_motion="reduce") as page:
         drawn(page)
+        page.evaluate(ONLY_FIGURES)
         served.client.post("/api/source", json={"source": f"take:{take}"})
         served.client.post("/api/mode", json={"mode": "replay"})
         state = served.client.post("/api/transport", json={"action": "pause"}).json()
@@ -143,7 +149,7 @@ def animation(browsing: Browsing, served: Served, take: str, folder: Path) -> No
             frames.append(image.resize((width, round(image.height * width / image.width))))
         frames[0].save(
             folder / "studio.webp", save_all=True, append_images=frames[1:],
-            duration=round(1000 / rate), loop=0, quality=60, method=6,
+            duration=round(1000 / rate), loop=0, quality=60, method=4,
         )  # fmt: skip
     size = (folder / "studio.webp").stat().st_size
     assert size < 3e6, f"{size} bytes are too many for a README"
