@@ -10,6 +10,18 @@ from studio.timing import CONTROL_DT
 
 
 @dataclass(frozen=True, kw_only=True)
+class Echo:
+    """What whoever sent a live frame is told of it, so that they know how long its way was.
+
+    sent: the frame's own `t`, s on its sender's clock. waited_ms: from its arrival until the
+    control loop read it.
+    """
+
+    sent: float
+    waited_ms: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class HumanPose:
     """A person at time `t`, as a source saw them: nothing scaled, turned or filtered yet.
 
@@ -17,11 +29,13 @@ class HumanPose:
     joint_pos_w: (19, 3) m, in the source's world turned to z up, x forward, y left.
     confidence: (19,) in [0, 1]; 0 means not seen, and the position is then a guess or NaN-free
         placeholder that must not be used.
+    echo: of a frame that a socket brought, once it was read; nothing goes by it, no take keeps it.
     """
 
     t: float
     joint_pos_w: NDArray[np.float64]
     confidence: NDArray[np.float64]
+    echo: Echo | None = None
 
     def __post_init__(self) -> None:
         assert self.joint_pos_w.shape == (NUM_JOINTS, 3), self.joint_pos_w.shape

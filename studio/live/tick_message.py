@@ -41,11 +41,14 @@ SimulatedPose = _message(
     "Also foot_pos_w (4, 3) m, and whether the trunk touches the floor.",
     "robot",
 )
+Echo: Any = TypedDict("Echo", {"sent": float, "waited_ms": float})
+Echo.__doc__ = "Of a live frame: its own `t` (s), and ms from its arrival until it was read."
 Human = _message(
     "Human",
     "A human frame: positions (19, 3) m and confidence (19,) of the skeleton `studio`.",
     "human",
     skeleton=str,
+    echo=Echo | None,
 )
 TickMessage = _message(
     "TickMessage",

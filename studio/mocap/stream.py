@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from studio.human.pose import HumanPose
+from studio.human.pose import Echo, HumanPose
 from studio.human.sensor_skeletons import SKELETONS
 from studio.human.skeleton import NUM_JOINTS
 from studio.mocap.arrivals import ArrivalLog, Arrivals
@@ -38,6 +38,7 @@ class StreamSource(Source):
         self._gate = FrameGate(live=True, clock=clock)
         self._lock = threading.Lock()
         self._latest: HumanPose | None = None
+        self._sent = 0.0
         self._fresh = False
         self._refused = Refused()
         self._log = ArrivalLog()
@@ -59,7 +60,7 @@ class StreamSource(Source):
             pose = check(given)
             now = self._clock()
             self._log.came(now, pose.t)
-            self._latest = replace(pose, t=now - self._opened)
+            self._latest, self._sent = replace(pose, t=now - self._opened), pose.t
             self._fresh = True
 
     def new_sender(self) -> None:
@@ -74,9 +75,13 @@ class StreamSource(Source):
             if not self._fresh:
                 return None
             self._fresh = False
-            if self._latest is not None:
-                self._log.read(self._clock(), self._opened + self._latest.t)
-            return self._latest
+            if self._latest is None:
+                return None
+            now, arrived = self._clock(), self._opened + self._latest.t
+            self._log.read(now, arrived)
+            return replace(
+                self._latest, echo=Echo(sent=self._sent, waited_ms=1e3 * (now - arrived))
+            )
 
     @property
     def arrivals(self) -> Arrivals | None:

@@ -71,6 +71,8 @@ def tick_dict(tick: Tick, form: str = "json", digits: int = 5) -> dict[str, Any]
             out[stream] = None if value is None else part(stream, value, form, digits)
     if out.get("human") is not None:
         out["human"]["skeleton"] = "studio"
+        echo = tick.human and tick.human.echo
+        out["human"]["echo"] = echo and {"sent": echo.sent, "waited_ms": round(echo.waited_ms, 3)}
     return out
 
 

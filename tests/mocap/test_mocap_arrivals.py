@@ -81,6 +81,18 @@ def sends(source: StreamSource, k: int = 0) -> None:
     source.push(json.dumps({"t": k / 30, "skeleton": "studio", "positions": positions}))
 
 
+def test_a_frame_that_is_read_says_when_it_was_sent_and_how_long_it_waited():
+    now = [50.0]
+    source = StreamSource(clock=lambda: now[0])
+    sends(source, k=90)
+    now[0] += 0.012
+    pose = source.read(0.0)
+    assert pose is not None
+    assert pose.echo is not None
+    assert pose.echo.sent == 3.0
+    assert pose.echo.waited_ms == pytest.approx(12.0)
+
+
 def test_a_frame_that_waited_for_seconds_is_read_though_somebody_looked_meanwhile():
     now = [50.0]
     source = StreamSource(clock=lambda: now[0])

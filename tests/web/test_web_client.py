@@ -102,6 +102,9 @@ def test_frames_go_in_and_ticks_come_out(studio, people):
     assert seen["skeleton"] == "studio"
     near = [np.abs(seen["positions"] - pose.joint_pos_w).max() for pose in people]
     assert min(near) < 1e-3  # ticks are rounded to 0.1 mm
+    echo = {**seen}["echo"]
+    assert echo["sent"] in [k / 30.0 for k in range(len(people))]  # to the last bit
+    assert echo["waited_ms"] >= 0.0
 
 
 def test_a_frame_that_does_not_fit_is_told_and_counted(studio, people):

@@ -23,11 +23,13 @@ export class Camera {
   /** @type {MediaStream | null} */
   #stream = null;
   #lastAt = 0;
+  /** Whether the browser says when a frame was taken; else it is when it came to the page. */
+  stamped = false;
 
   /**
    * @param {HTMLVideoElement} video
-   * @param {{ frame: (t: number) => void, lost: (line: string) => void }} hooks
-   *   t: ms on the page's clock when the frame was taken
+   * @param {{ frame: (t: number, came: number) => void, lost: (line: string) => void }} hooks
+   *   t, came: ms on the page's clock when the frame was taken, and when it came to the page
    */
   constructor(video, hooks) {
     this.video = video;
@@ -82,10 +84,12 @@ export class Camera {
 
   #next() {
     this.video.requestVideoFrameCallback((now, { captureTime }) => {
+      const came = performance.now();
       // Not all browsers know when a frame was taken; a clock that runs backwards is no clock.
       const t = Math.max(captureTime ?? now, this.#lastAt + 1);
       this.#lastAt = t;
-      if (this.on) this.hooks.frame(t);
+      this.stamped = captureTime !== undefined;
+      if (this.on) this.hooks.frame(t, came);
       this.#next();
     });
   }

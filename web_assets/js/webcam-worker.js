@@ -35,7 +35,6 @@ class Watcher {
     const seen = {
       landmarks: landmarks[0]?.map(flat) ?? null,
       world: worldLandmarks[0]?.map(({ x, y, z }) => [x, y, z]) ?? null,
-      ms: performance.now() - begun,
     };
     if (begun - this.#countedAt > COUNTED) {
       this.#people = this.counter.detect(picture).landmarks.length;
@@ -43,6 +42,7 @@ class Watcher {
     }
     return {
       ...seen,
+      ms: performance.now() - begun,
       people: seen.world ? Math.max(1, this.#people) : 0,
       light: this.#light(picture),
     };

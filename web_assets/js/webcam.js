@@ -2,6 +2,7 @@
 
 import { Api } from "./net.js";
 import { $, $button, $canvas, $input, $select, el, hears, text } from "./dom.js";
+import { LatencyDoor } from "./latency-door.js";
 import { Camera } from "./webcam-device.js";
 import { Driving } from "./webcam-drive.js";
 import { advice, confidence } from "./webcam-framing.js";
@@ -41,11 +42,14 @@ class CameraPage {
     trouble: (line) => this.say(line),
   });
   camera = new Camera(this.#video, {
-    frame: (t) => {
-      if (this.model.idle) this.model.look(this.#video, t);
+    frame: (t, came) => {
+      if (!this.model.idle) return;
+      this.model.look(this.#video, t);
+      this.latency.meter?.looked(this.#video, t, came);
     },
     lost: (line) => this.off(line),
   });
+  latency = new LatencyDoor($("#latency"), this.camera);
 
   /** @param {Seen} seen */
   #look(seen) {
@@ -55,6 +59,7 @@ class CameraPage {
     this.age = now - 1000 * seen.t;
     this.#times = [...this.#times, now].filter((t) => t >= now - RATE_OVER);
     this.driving.push(seen, !this.hint);
+    this.latency.meter?.sent(seen);
     this.draw();
   }
 

@@ -3246,6 +3246,16 @@ export interface components {
             speed?: number | null;
         };
         /**
+         * Echo
+         * @description Of a live frame: its own `t` (s), and ms from its arrival until it was read.
+         */
+        Echo: {
+            /** Sent */
+            sent: number;
+            /** Waited Ms */
+            waited_ms: number;
+        };
+        /**
          * Human
          * @description A human frame: positions (19, 3) m and confidence (19,) of the skeleton `studio`.
          */
@@ -3258,6 +3268,7 @@ export interface components {
             confidence: number[];
             /** Skeleton */
             skeleton: string;
+            echo: components["schemas"]["Echo"] | null;
         };
         /**
          * MovingPose
