@@ -19,6 +19,8 @@ Array = NDArray[np.float64]
 
 NOSE_AND_TAIL = np.array([[0.27, 0.0, 0.06], [-0.25, 0.0, 0.06]])
 """(2, 3) m, upper ends of the trunk in its own frame."""
+STANDING = 1.0
+"""How high the person reaches before anybody was seen, m."""
 
 
 class HumanFigure:
@@ -26,6 +28,7 @@ class HumanFigure:
 
     def __init__(self, scene: viser.SceneApi) -> None:
         self._place = HumanPlace()
+        self._top = STANDING
         n_bones, n_joints = len(BONES), len(JOINT_RADII)
         bone, ball = shapes.bone_mesh(), shapes.ball_mesh()
         self._bones = Batch(scene, "/human/bones", bone, n_bones, shapes.BONE_COLORS, scaled=True)
@@ -42,10 +45,11 @@ class HumanFigure:
         """Draw the pose at `column` (3,) m; joints that were not seen, and bones that end in them,
         vanish.
 
-        away: seen from behind. Returns how high it reaches, m.
+        away: seen from behind. Returns how high what is drawn reaches, m: of whom nobody sees any
+        more, the last pose.
         """
         if pose is None:
-            return 0.0
+            return self._top
         joints = self._place.place(pose, dt) + (column - HUMAN_COLUMN)
         if away:
             joints = faced_away(joints, column)
@@ -56,7 +60,9 @@ class HumanFigure:
         self._bones.move(start, wxyz, scale)
         radii = np.where(unseen[:, None], HIDDEN, self._radii)
         self._joints.move(joints, scale=radii)
-        return float(np.max(joints[:, 2] + self._radii[:, 2], where=~unseen, initial=0.0))
+        if not unseen.all():
+            self._top = float(np.max((joints[:, 2] + self._radii[:, 2])[~unseen]))
+        return self._top
 
 
 class RobotFigure:

@@ -67,17 +67,29 @@ class Follow:
 class Above:
     """Smoothed height of a caption over a figure's highest point, m; never under `low`.
 
-    In a quiet motion it stays where it is, and moves when the figure would reach into it.
+    It moves when the figure would reach into it, and comes down when the figure is lower by more
+    than `slack`: in a quiet motion it stays where it is.
     """
 
-    def __init__(self, low: float, gap: float, time_constant: float = 0.3) -> None:
-        self.low, self.gap, self.time_constant = low, gap, time_constant
-        self.height = low
+    def __init__(
+        self,
+        low: float,
+        gap: float,
+        *,
+        first: float | None = None,
+        slack: float = 0.0,
+        time_constant: float = 0.3,
+    ) -> None:
+        """first: the height to begin with, if not `low`."""
+        self.low, self.gap, self.slack, self.time_constant = low, gap, slack, time_constant
+        self.height = self._wanted = low if first is None else first
 
     def push(self, top: float, dt: float) -> float:
         """The height for a figure that reaches up to `top` m."""
         wanted = max(self.low, top + self.gap)
-        self.height += (1.0 - np.exp(-dt / self.time_constant)) * (wanted - self.height)
+        if not self._wanted - self.slack <= wanted <= self._wanted:
+            self._wanted = wanted
+        self.height += (1.0 - np.exp(-dt / self.time_constant)) * (self._wanted - self.height)
         return self.height
 
 

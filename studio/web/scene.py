@@ -16,7 +16,7 @@ from studio.scenes.scene import Scene
 from studio.sim.prop_world import PropPoses
 from studio.takes.tick import Tick
 from studio.web.feet import Feet
-from studio.web.figures import HumanFigure, RobotFigure
+from studio.web.figures import STANDING, HumanFigure, RobotFigure
 from studio.web.follow import COLUMNS, HALF_TURN, WIDE_COLUMNS, Above, Follow, faced_away
 from studio.web.scene_props import Props
 
@@ -24,17 +24,23 @@ Array = NDArray[np.float64]
 
 REFERENCE_TINT = (92, 156, 255)
 GRID_SECTION = 0.5
-CAPTION_HEIGHTS = {"human": 1.06, "reference": 0.52, "robot": 0.52}
-"""Where the page hangs its captions above each figure that stands, m: the least."""
 CAPTION_GAP = 0.06
 """Between a figure's highest point and its caption, m."""
+
+
+def _above(name: str) -> Above:
+    """A robot's caption is never lower than over one that stands; a person's follows the head down
+    into a squat, but not every step of a march."""
+    if name == "human":
+        return Above(0.4, CAPTION_GAP, first=STANDING + CAPTION_GAP, slack=0.05)
+    return Above(0.52, CAPTION_GAP)
 
 
 class Caption:
     """A point above a figure at which the page hangs what it says of it."""
 
     def __init__(self, scene: viser.SceneApi, name: str) -> None:
-        self._column, self._above = COLUMNS[name], Above(CAPTION_HEIGHTS[name], CAPTION_GAP)
+        self._column, self._above = COLUMNS[name], _above(name)
         self._shown = self._above.height
         self._frame = scene.add_frame(f"/{name}/caption", show_axes=False, position=self._at())
 

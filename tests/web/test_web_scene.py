@@ -15,7 +15,7 @@ from studio.live.safety import Safety
 from studio.puppeteer import Puppeteer
 from studio.synthetic.operator import OperatorSource
 from studio.web import shapes
-from studio.web.follow import HUMAN_COLUMN, HUMAN_SCALE, SOLE, Above, Follow, HumanPlace
+from studio.web.follow import HUMAN_COLUMN, HUMAN_SCALE, SOLE, Follow, HumanPlace
 from studio.web.guarded_viser import GuardedViser
 from studio.web.keyboard import intent_of
 from studio.web.page_control import PageControl
@@ -194,16 +194,6 @@ class TestDesk:
             self.control.act("juggle", a.name)
         with pytest.raises(StudioError, match="open pages"):
             self.control.act("take", "page-x")
-
-
-def test_a_caption_keeps_its_height_until_the_figure_reaches_into_it():
-    above = Above(0.5, 0.1, time_constant=0.3)
-    assert [above.push(top, DT) for top in (0.1, 0.4, 0.2)] == [0.5, 0.5, 0.5]
-    rising = [above.push(0.8, DT) for _ in range(90)]
-    assert np.all(np.diff(rising) > 0.0)
-    assert rising[8] == pytest.approx(0.5 + 0.4 * (1.0 - np.exp(-1.0)))  # one time constant
-    assert rising[-1] == pytest.approx(0.9, abs=1e-3)
-    assert above.push(0.0, 100.0) == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("away", [False, True])

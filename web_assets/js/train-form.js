@@ -65,7 +65,8 @@ export function form() {
     el(
       "div",
       { class: "row" },
-      el("button", { class: "main", id: "train-go" }, "Train"),
+      // Until it is known which takes there are: it would be refused.
+      el("button", { class: "main", id: "train-go", disabled: true }, "Train"),
       el("button", { id: "train-cancel", hidden: true }, "Cancel"),
     ),
     // Below the button, which must not move from under a finger when it comes.
