@@ -15,7 +15,7 @@ from pathlib import Path
 
 import msgspec
 
-from studio.bench.served import VIEW, page_socket
+from studio.evaluation.served import VIEW, page_socket
 
 TEXT, BINARY, PING = 0x1, 0x2, 0x9
 REQUESTS = 8

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from studio.bench.run import percentiles
-from studio.bench.served import TOKEN, served
 from studio.client import ClientError, Studio
 from studio.client.wire import frame_text
 from studio.errors import StudioError
+from studio.evaluation.served import TOKEN, served
 from studio.mocap.gate import FrameGate
 from studio.synthetic.operator import OperatorSource
 from studio.timing import CONTROL_DT

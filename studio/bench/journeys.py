@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 
-from studio.bench.browser import MISSING, browser, found
 from studio.bench.screen import Screen
-from studio.bench.served import PAGE_LIMIT, served
 from studio.errors import StudioError
+from studio.evaluation.browser import MISSING, browser, fake_camera, found
+from studio.evaluation.served import PAGE_LIMIT, served
 from studio.paths import package_folder
 from studio.synthetic.film import film
 from studio.synthetic.operator import OperatorSource
@@ -114,9 +114,4 @@ def marching(path: Path) -> Path:
 
 def _filmed(path: Path) -> tuple[str, ...]:
     film(path, *CAMERA)
-    return (
-        "--disable-gpu",  # what draws nothing leaves the processor to the pose model
-        "--use-fake-ui-for-media-stream",
-        "--use-fake-device-for-media-stream",
-        f"--use-file-for-fake-video-capture={path}",
-    )
+    return fake_camera(path)

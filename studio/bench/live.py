@@ -6,9 +6,9 @@ import time
 from pathlib import Path
 from typing import Any
 
-from studio.bench.browser import MISSING, browser, found
-from studio.bench.served import PAGE_LIMIT, TOKEN, VIEW, page_socket, served
 from studio.errors import StudioError
+from studio.evaluation.browser import MISSING, browser, found
+from studio.evaluation.served import PAGE_LIMIT, TOKEN, VIEW, page_socket, served
 
 CLIENTS = 4
 WARM_UP = 5.0

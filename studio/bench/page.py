@@ -3,8 +3,8 @@
 import time
 from typing import Any
 
-from studio.bench.browser import MISSING, browser, found
-from studio.bench.served import PAGE_LIMIT, served
+from studio.evaluation.browser import MISSING, browser, found
+from studio.evaluation.served import PAGE_LIMIT, served
 
 WARM_UP = 5.0
 """s that the page draws before anything is counted."""

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from studio.bench.browser import Browser
 from studio.errors import StudioError
+from studio.evaluation.browser import Browser
 
 LOOK = 0.2
 """s between two looks at the screen."""

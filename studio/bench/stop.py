@@ -20,8 +20,8 @@ import numpy as np
 from studio.bench.flood import KINDS
 from studio.bench.live import CLIENTS
 from studio.bench.run import percentiles
-from studio.bench.served import TOKEN, end, page_socket, served
 from studio.bench.takes import performed
+from studio.evaluation.served import TOKEN, end, page_socket, served
 from studio.robot.a1 import CONTROL_DT
 from studio.synthetic.operator import OperatorSource
 from studio.takes.export.bvh import write_bvh

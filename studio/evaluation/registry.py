@@ -32,6 +32,7 @@ TABLES = {
     "travel": "who crosses the room: speeds and turns, of what the person did",
     "composite": "who completes the scenes, step by step",
     "response": "how late the robot does what a person does, stage by stage",
+    "latency": "how late a camera's frame is, section by section, in a browser (needs chromium)",
     "hands": "how high a paw comes by how high the wrist is",
     "pairs": "the mapper beside simpler ones, by number of pairs",
     "baselines": "the mapper beside the paper's rivals: errors, time, pairs, what the policy makes",

@@ -10,7 +10,9 @@ FPS = 30
 """At which Chromium plays a file of joined JPEGs, again and again."""
 
 
-def film(path: Path, *parts: tuple[str, float], camera: Camera | None = None) -> Path:
+def film(
+    path: Path, *parts: tuple[str, float], camera: Camera | None = None, seed: int = 0
+) -> Path:
     """A video of one person at one task after another, each for so many seconds.
 
     Each picture stands for two, as of a camera of 15 frames a second: drawing takes its time. Each
@@ -19,7 +21,7 @@ def film(path: Path, *parts: tuple[str, float], camera: Camera | None = None) ->
     mannequin = Mannequin(camera)
     pictures = []
     for task, seconds in parts:
-        person = OperatorSource(task, seed=0)
+        person = OperatorSource(task, seed=seed)
         for k in range(0, round(seconds * FPS), 2):
             pose = person.read(k / FPS)
             assert pose is not None

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from fake_clock import FakeClock
 
-from studio.bench import browser as bench_browser
 from studio.bench import journeys as bench_journeys
 from studio.bench import live as bench_live
 from studio.bench import page as bench_page
@@ -23,6 +22,7 @@ from studio.bench.training import (
     training_rates,
 )
 from studio.errors import StudioError
+from studio.evaluation import browser as bench_browser
 from studio.options import BenchConfig
 from studio.rl.bank import build_bank
 

@@ -18,10 +18,10 @@ const FILM_FPS = 30;
 export const SECTIONS = {
   camera: "camera to page",
   model: "pose model",
-  page: "page, around the model",
-  way: "socket, there and back",
-  wait: "wait for the control period",
-  reference: "reference and policy",
+  page: "page, around it",
+  way: "socket, both ways",
+  wait: "wait for the loop",
+  reference: "reference",
   physics: "physics",
   screen: "page to screen",
 };
@@ -195,7 +195,7 @@ export class Latency {
         {},
         el("tr", {}, ...head),
         ...Object.entries(SECTIONS).map(([key, name]) => row(name, summary.sections_ms[key])),
-        row("to the reference, beside the model", summary.to_reference_ms),
+        row("to reference, less model", summary.to_reference_ms),
         row("all", summary.total_ms),
       ),
       el(

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 from urllib.error import URLError
 from urllib.request import urlopen
 
-from studio.bench.served import PAGE_LIMIT, end
 from studio.errors import StudioError
+from studio.evaluation.served import PAGE_LIMIT, end
 
 if TYPE_CHECKING:
     from websockets.sync.connection import Connection
@@ -32,6 +32,16 @@ _MAIN = "CrRendererMain"
 def found() -> str | None:
     """The first browser that is installed."""
     return next(filter(None, map(shutil.which, BROWSERS)), None)
+
+
+def fake_camera(video: Path) -> tuple[str, ...]:
+    """Flags of a browser whose camera is allowed and shows an MJPEG video, again and again."""
+    return (
+        "--disable-gpu",  # what draws nothing leaves the processor to the pose model
+        "--use-fake-ui-for-media-stream",
+        "--use-fake-device-for-media-stream",
+        f"--use-file-for-fake-video-capture={video}",
+    )
 
 
 class Browser:
