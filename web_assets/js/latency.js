@@ -195,7 +195,7 @@ export class Latency {
         {},
         el("tr", {}, ...head),
         ...Object.entries(SECTIONS).map(([key, name]) => row(name, summary.sections_ms[key])),
-        row("to reference, less model", summary.to_reference_ms),
+        row("to it, less model", summary.to_reference_ms),
         row("all", summary.total_ms),
       ),
       el(
