@@ -9,7 +9,6 @@ import { CollectDoor, LibraryDoor, PlotsDoor, ReviewDoor } from "./doors.js";
 import { Drops } from "./drops.js";
 import { FilmButton } from "./film-button.js";
 import { Guide } from "./guide.js";
-import { drawHealth } from "./health.js";
 import { TickHistory } from "./history.js";
 import { drawControl, startHolding } from "./holding.js";
 import { Keyboard } from "./keys.js";
@@ -128,6 +127,9 @@ const view = new View({
     $("#veil").classList.add("gone");
     collect.soon();
     plots.soon();
+    import("./health.js").then(({ drawHealth }) =>
+      setInterval(() => studio.tick && drawHealth(history, studio.tick.counters), 250),
+    );
   },
   drag: drops.drag,
   newest: () => studio.tick,
@@ -239,7 +241,6 @@ setInterval(() => {
   text($("#chip-fps b"), history.rate ? history.rate.toFixed(0) : "–");
   text($("#chip-latency b"), history.percentile(0.5).toFixed(2));
   text($("#chip-rtt b"), line.roundTrip.toFixed(0));
-  drawHealth(history, studio.tick.counters);
   plots.draw();
 }, 250);
 
