@@ -40,8 +40,9 @@ def test_train_waits_for_the_takes_and_does_not_move_as_the_map_comes(browsing, 
     where = f"() => {go}.getBoundingClientRect().y"
     pairs = "document.querySelectorAll('#train-pairs li').length"
     with browsing.page(served, 1100, height, reduced_motion="reduce") as page:
-        drawn(page)
         takes, covered = Held(page, "/api/takes"), Held(page, "/api/collect/map")
+        page.reload()  # it asks as soon as the figures are drawn
+        drawn(page)
         click(page, '#mode [data-mode="collect"]')
         until(page, f"() => {go}?.offsetParent")
         assert page.evaluate(f"() => {go}.disabled"), "it would be refused"
