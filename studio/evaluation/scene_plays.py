@@ -29,8 +29,14 @@ NEAR, LEAD = 0.5, 0.12
 """m left from which a march is slow; that it still goes after its operator saw enough."""
 PUSHES = 0.55
 """m behind the middle of what is pushed: from here on turn little, or it slips off."""
-CROSS = 2.0
+CROSS = 1.2
 """rad/m: how much a heading is changed for being beside the line along which to push."""
+LOST, SLIPPED = -0.15, 0.3
+"""m along the way from what is pushed, and m beside it, from which on it is no longer ahead."""
+ROOM = (1.2, 1.0)
+"""m that whoever goes round something keeps behind and beside it."""
+HELD_S = 3.5
+"""s that what was pushed is looked at before it is pushed again."""
 CLOSER = 0.03
 """m that whoever sat too far off goes nearer the next time."""
 ASIDE = 0.15
@@ -44,7 +50,8 @@ SITS = 0.32
 def walking(way: Array, pace: tuple[float, float] = BRISK, turning: float = 0.0) -> Intent:
     """March on towards something that is seen (ahead, to the left), while the robot is seen to turn
     (rad/s) and will for a while yet."""
-    bearing = np.arctan2(way[1], max(way[0], 0.5)) - FORESEES * turning
+    ahead = way[0] if np.hypot(*way) > 1.0 else max(way[0], 0.5)
+    bearing = np.arctan2(way[1], ahead) - FORESEES * turning
     turn = float(np.clip(STEER * bearing, -TURN, TURN))
     return Intent(state="walk", task="walk", cadence=pace[0], lift=pace[1], turn=turn)
 
@@ -153,23 +160,50 @@ def touch_sitting(
 
 
 def push_to(me: ScriptedOperator, name: str, x: float, y: float) -> Meaning:
-    """Walk into it from behind, on the line from the mark through it, until it is nearly there."""
+    """Walk into it from behind, on the line from it to the mark, until it is nearly there; around
+    it and again where it slipped off, or went too far."""
     mark, way = np.array([x, y]), np.array([1.0, 0.0])
     while True:
-        prop = me.sight.pos[name][:2]
-        left = float((mark - prop) @ way)
-        if left < 2.0 * LEAD:
+        gap = mark - me.sight.pos[name][:2]
+        left = float(np.linalg.norm(gap))
+        if left < 2.0 * LEAD or 0.0 > way @ gap > -NEAR:
             yield from halt(me)
+            yield from wait(HELD_S)
+            gap = mark - me.sight.pos[name][:2]
+            way = gap / np.linalg.norm(gap)
             continue
-        if left > 0.3:
-            way = (mark - prop) / np.linalg.norm(mark - prop)
-        behind = me.sight.base[:2] - prop
-        beside = float(way[0] * behind[1] - way[1] * behind[0])
-        heading = np.arctan2(way[1], way[0]) - np.clip(CROSS * beside, -0.6, 0.6)
-        bearing = float(geometry.wrap_angle(heading - me.sight.yaw))
-        if float(way @ behind) > -PUSHES:
-            bearing *= 0.5
-        yield walking(np.array([np.cos(bearing), np.sin(bearing)]), turning=me.sight.turning)
+        if left > NEAR:
+            way = gap / left
+        along, beside = _from(me, name, way)
+        if along > LOST or (left > NEAR and along > -PUSHES and abs(beside) > SLIPPED):
+            yield from go_round(me, name, way)
+            continue
+        yield along_line(me, way, beside, 0.5 if along > -PUSHES else 1.0, SLOW)
+
+
+def go_round(me: ScriptedOperator, name: str, way: Array) -> Meaning:
+    """Walk back past something that is missed, on the side where the robot is, to well behind it
+    on the line (2,) of its way."""
+    side = float(np.sign(_from(me, name, way)[1])) or 1.0
+    beside_it = np.array([-way[1], way[0]]) * side * ROOM[1]
+    while _from(me, name, way)[0] > -ROOM[0]:
+        back = me.sight.to(me.sight.pos[name][:2] - 2.0 * ROOM[0] * way + beside_it)
+        yield walking(back, turning=me.sight.turning)
+
+
+def along_line(
+    me: ScriptedOperator, way: Array, beside: float, share: float, pace: tuple[float, float]
+) -> Intent:
+    """Walk the way (2,) of a line that is `beside` m to the right, with a share of the turn."""
+    heading = np.arctan2(way[1], way[0]) - np.clip(CROSS * beside, -0.8, 0.8)
+    bearing = share * float(geometry.wrap_angle(heading - me.sight.yaw))
+    return walking(np.array([np.cos(bearing), np.sin(bearing)]), pace, me.sight.turning)
+
+
+def _from(me: ScriptedOperator, name: str, way: Array) -> tuple[float, float]:
+    """m: how far the robot is along a way (2,) from something, and to the left of its line."""
+    off = me.sight.base[:2] - me.sight.pos[name][:2]
+    return float(way @ off), float(way[0] * off[1] - way[1] * off[0])
 
 
 def go_through(me: ScriptedOperator, places: Callable[[ScriptedOperator], list[Array]]) -> Meaning:
