@@ -116,9 +116,10 @@ class TrainJobs:
                     # Held open by us alone: closed by the system when we end, even by kill −9.
                     stdin=subprocess.PIPE,
                     env={**os.environ, "OMP_NUM_THREADS": "1", parent_watch.VARIABLE: "1"},
-                    # The loop comes first: training takes what is left.
-                    preexec_fn=lambda: os.nice(10),
                 )
+            # The loop comes first: training takes what is left. Set from here: between fork and
+            # exec of a process with threads no Python may run.
+            os.setpriority(os.PRIO_PROCESS, process.pid, os.nice(0) + 10)
             self.job = Job(name=name, process=process, progress=progress, errors=errors)
             return self.job
 

@@ -1,6 +1,7 @@
 """The whole server killed (SIGKILL): no tick anybody saw is lost, nothing goes on or is left."""
 
 import contextlib
+import os
 import signal
 import threading
 import time
@@ -109,6 +110,11 @@ def test_a_server_killed_as_it_stops_a_take_loses_no_tick(tmp_path, after):
     assert take.problems == ()
 
 
+def nice(number: int) -> int:
+    """How much a process leaves to others."""
+    return os.getpriority(os.PRIO_PROCESS, number)
+
+
 def children(parent: int) -> dict[int, str]:
     """Processes begun by `parent` that run: number and command line (Linux)."""
     found = {}
@@ -158,6 +164,8 @@ def test_a_killed_server_takes_its_training_and_its_imports_along(tmp_path, monk
 
     until(at_work)
     theirs = children(served.process.pid)
+    training = next(number for number, command in theirs.items() if "train mapper" in command)
+    assert nice(training) == min(nice(served.process.pid) + 10, 19)
     assert len(list(temporary.glob("a1-studio-*"))) == 1
     kill(served)
     sending.join(30.0)

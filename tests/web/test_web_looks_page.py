@@ -155,3 +155,20 @@ def test_captions_cover_neither_faces_nor_buttons_nor_one_another_in_low_views(p
             until(page, f"() => !{COVERED}", seconds=60.0)
     page.set_viewport_size({"width": 1300, "height": 800})
     page.keyboard.press("1")
+
+
+def test_it_says_whether_the_full_or_the_light_view_is_on(page):
+    renderer = """() => {
+      const context = document.createElement("canvas").getContext("webgl2");
+      const named = context.getExtension("WEBGL_debug_renderer_info");
+      return context.getParameter(named.UNMASKED_RENDERER_WEBGL);
+    }"""
+    software = "swiftshader" in page.evaluate(renderer).lower()
+    shadows = f"""() => {{
+      const lights = [];
+      {INSIDE}.scene.traverse((thing) => thing.isLight && lights.push(thing.castShadow));
+      return lights.some(Boolean);
+    }}"""
+    says = "Light view" if software else "Full view"
+    until(page, f"() => document.querySelector('#drawn-by').textContent.startsWith('{says}')")
+    assert page.evaluate(shadows) is not software

@@ -10,6 +10,9 @@ import { Panes } from "./panes.js";
 import { REST, spare } from "./sparing.js";
 import { ViewCamera } from "./view-camera.js";
 
+const FULL = "Full view: drawn by the graphics card.";
+const LIGHT = "Light view: drawn without a graphics card, coarser and without shadows.";
+
 /** @import { Box, CameraName } from "./cameras.js" */
 /** @import { Tick, Viser, ViewWindow } from "../types/page.js" */
 
@@ -75,6 +78,7 @@ export class View {
         shown = true;
         this.look(this.#camera.name, false);
         this.#spared = spare(viser, this.#window);
+        text($("#drawn-by"), this.#spared ? LIGHT : FULL);
         ready();
       }
       if (this.#spared) setTimeout(() => requestAnimationFrame(each), REST / 4);
