@@ -202,4 +202,15 @@ TABLES: dict[str, tuple[str, tuple[Column, ...]]] = {
             Column(key="clipped", head="speed limit cuts", places=2),
         ),
     ),
+    "latency": (
+        "How late a camera's frame is",
+        (
+            Column(key="case", head="section"),
+            Column(key="frames", head="frames", places=0),
+            Column(key="p50_ms", head="p50 ms", places=1),
+            Column(key="p95_ms", head="p95 ms", places=1),
+            Column(key="p99_ms", head="p99 ms", places=1),
+            Column(key="load_1min", head="load", places=1),
+        ),
+    ),
 }
