@@ -86,7 +86,6 @@ def test_the_choices_that_help_lists_are_those_that_there_are():
         ["evaluate"],
         ["evaluate", "nothing"],
         ["evaluate", "nothing", "--json", "-"],
-        ["evaluate", "latency"],  # not built
         ["evaluate", "tilt", "--style", "circles"],
         ["evaluate", "endurance", "--clips", "."],
         ["evaluate", "people"],
