@@ -101,10 +101,7 @@ export class Review {
           const body = { accept: true, warp };
           const done = await api.post("/api/takes/{name}/align", body, name());
           if (warp && !done.warped)
-            toast(
-              "Evening out the tempo would not agree better: aligned by the lag alone",
-              "good",
-            );
+            toast("Evening out the tempo would not agree better: aligned by the lag alone");
         }),
       leave: () =>
         then(() => api.post("/api/takes/{name}/align", { accept: false, warp: false }, name())),
