@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from browsing import chromium, click, until
+from browsing import click, until
 
 from studio.geometry import quat_to_rpy
 from studio.paths import package_folder
@@ -31,12 +31,6 @@ WORN = f"""
 """
 """A headset that stands upright, hands hanging; `wear` moves it."""
 SAID = "() => document.querySelector('#said').textContent"
-
-
-@pytest.fixture(scope="module")
-def browsing():
-    with chromium() as browsing:
-        yield browsing
 
 
 @pytest.fixture(scope="module")
