@@ -10,7 +10,7 @@ NPM_CI := npm --prefix $(WEB) ci --ignore-scripts --no-audit --no-fund --logleve
 BROWSER_STAMP := $(VENV)/.browser-stamp
 export OMP_NUM_THREADS ?= 1
 
-.PHONY: setup run test test-long test-quick tables check format schema vendor bench pictures browser clean
+.PHONY: setup run test test-long test-quick tables check docs format schema vendor bench pictures browser clean
 
 setup: $(STAMP) vendor
 
@@ -66,7 +66,11 @@ tables: setup
 	$(BIN)/python -m studio.live.safety_table > docs/safety.md
 	$(BIN)/python -m studio.live.mode_table > docs/modes.md
 
-check: setup schema $(NODE_STAMP)
+# The guide, as pages in build/docs.
+docs: setup
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --quiet --strict --config-file docs/mkdocs.yml
+
+check: setup schema docs $(NODE_STAMP)
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/lint-imports
