@@ -1,5 +1,5 @@
 """Every block of code of README, guide and models' pages: Python runs, commands are such as the
-command line takes, and those of the guide that are done in seconds run.
+command line takes, and where a block says `sh` those that are done in seconds run.
 
 A comment behind a command says where it takes long, or needs what a test has not: `# a minute` is
 run by `make test-long`; `# minutes`, `# hours`, `# needs …` and `# until Ctrl C` by nobody, as are
@@ -133,18 +133,19 @@ def in_shell(page: str) -> list[Block]:
 
 
 def runs(page: str) -> bool:
-    """It has programs, or commands of the guide, that are run here."""
-    languages = {"python", "sh"} if page.startswith("docs/guide/") else {"python"}
+    """It has programs or commands that are run here."""
     here = page not in TESTED_WITH_STAND_INS
-    return here and any(block.language in languages for block in blocks(page))
+    return here and any(block.language in ("python", "sh") for block in blocks(page))
 
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Where a reader is: with the example takes, a clip, and the plug-in of the docs."""
+    """Where a reader is: with the example takes, a clip, and the repository's own examples."""
     kept = shutil.ignore_patterns(".token", ".bin")
     shutil.copytree(REPO / "sessions", tmp_path / "sessions", ignore=kept)
-    shutil.copytree(REPO / "docs", tmp_path / "docs")
+    for name in ("docs/mapper_plugin.py", "models/policy/onnx_runner.py"):
+        (tmp_path / name).parent.mkdir(parents=True)
+        shutil.copy(REPO / name, tmp_path / name)
     monkeypatch.chdir(tmp_path)
     export_take(Path("sessions"), "example-cmu-march", "bvh", Path("clip.bvh"))
     return tmp_path
@@ -181,7 +182,7 @@ def run_page(page: str, capsys, *, long: bool) -> None:
         for block in blocks(page):
             if block.language == "python":
                 exec(compile(block.text, f"{page}:{block.line}", "exec"), names)
-            elif block.language == "sh" and page.startswith("docs/guide/"):
+            elif block.language == "sh":
                 for line in lines(block):
                     run_line(line, capsys, long=long)
 
