@@ -1,6 +1,11 @@
 """The synthetic operator beside real people: 5th to 95th percentiles of q, q̇, q̈, as a figure.
 
 `a1-studio evaluate operator_statistics --clips DIR --figure models/operator_statistics.png`
+
+Two shares, since either alone misleads. *Coverage*: of each feature's real range, what lies inside
+the operator's. It counts how often, not only how far: who bends as deep as anybody, but seldom,
+covers little; and a hip's range of a few millimetres weighs as much as a hand's of a metre. *Near*:
+of the real frames, those beside which some frame of the operator's is, all joints at once.
 """
 
 from dataclasses import dataclass
@@ -12,9 +17,11 @@ from numpy.typing import NDArray
 
 from studio.errors import StudioError
 from studio.evaluation.clips import read_labels
+from studio.evaluation.operator_plot import plot
+from studio.evaluation.operator_ranges import Ranges
 from studio.evaluation.options import TableOptions
 from studio.human.calibration import calibrate
-from studio.human.features import FEATURE_NAMES, clip_features
+from studio.human.features import clip_features
 from studio.human.pose import HumanClip
 from studio.mocap.clip_source import ClipSource
 from studio.reference.intent import STATES
@@ -22,36 +29,18 @@ from studio.reference.library import TASKS
 from studio.retarget.selector import NAMES
 from studio.sources import open_source, spec_of
 from studio.synthetic import Person, exercise, play, squats
+from studio.synthetic.exercises import windmill_arms
 from studio.synthetic.signals import of_track
+from studio.synthetic.wide import DRILL, SQUAT_HOLD_S
 from studio.timing import CONTROL_HZ
 from studio.training.machine import commit
+from studio.training.operator_pairs import BOTH_SHARE, both_arms
 from studio.training.selector_data import UNLABELLED, labels
 
 Array = NDArray[np.float64]
 
-ORDERS = ("q", "q̇", "q̈")
 COVERED = ("position_coverage", "velocity_coverage", "acceleration_coverage")
-LOW, HIGH = 5.0, 95.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class Ranges:
-    """Percentiles of one state's features.
-
-    real, operator: (3, 2, F) orders q, q̇, q̈ × (5th, 95th) × features. frames: real ones.
-    """
-
-    real: Array
-    operator: Array
-    frames: int
-
-    @property
-    def coverage(self) -> Array:
-        """(3, F) share of the real range that lies inside the operator's."""
-        low = np.maximum(self.real[:, 0], self.operator[:, 0])
-        high = np.minimum(self.real[:, 1], self.operator[:, 1])
-        width = np.maximum(self.real[:, 1] - self.real[:, 0], 1e-6)
-        return np.clip((high - low) / width, 0.0, 1.0)
+SIMILAR = ("position_near", "velocity_near", "acceleration_near")
 
 
 def real_features(folder: Path) -> dict[str, Array]:
@@ -82,10 +71,7 @@ def operator_features(
     found: dict[str, list[Array]] = {state: [] for state in STATES}
     for _ in range(people):
         person = Person.sample(rng, family, sensor="mocap")
-        signals = [of_track(task.sample(rng, 12.0)) for task in TASKS.values()]
-        signals += [of_track(exercise(rng, 12.0)) for _ in range(6)]
-        signals += [squats(rng, 12.0) for _ in range(3)]
-        for signal in signals:
+        for signal in _signals(family, rng):
             performance = play(signal, person, rng, "operator")
             state = labels(performance.true_pos_w)
             triplet = _features(performance.clip)
@@ -95,23 +81,42 @@ def operator_features(
     return {state: np.concatenate(parts, axis=1) for state, parts in found.items()}
 
 
+def _signals(family: str, rng: np.random.Generator) -> list[Array]:
+    """What one person does, (T, NUM) each."""
+    signals = [of_track(task.sample(rng, 12.0)) for task in TASKS.values()]
+    if family != "wide":
+        signals += [of_track(exercise(rng, 12.0)) for _ in range(6)]
+        return signals + [squats(rng, 12.0) for _ in range(3)]
+    signals = [of_track(t.sample(rng, 12.0)) for t in TASKS.values() if t.state != "stand"]
+    for _ in range(12):
+        track = windmill_arms(exercise(rng, 12.0, DRILL), twists=rng.random() < 0.5)
+        signals.append(of_track(both_arms(track, rng)[0] if rng.random() < BOTH_SHARE else track))
+    return signals + [squats(rng, 12.0, SQUAT_HOLD_S) for _ in range(6)]
+
+
 @dataclass(frozen=True, kw_only=True)
 class Options(TableOptions):
     """Of `evaluate operator_statistics`."""
 
     clips: Path
     """Folder of labelled real motion clips."""
-    episodes: int = 12
-    """Synthetic people."""
-    family: str = "default"
-    """Of the synthetic people: default or held_out."""
+    episodes: int = 24
+    """Synthetic people, of each family."""
+    family: str | None = None
+    """Of the synthetic people: default, held_out or wide (default: the first and the last)."""
     figure: Path | None = None
     """Also draw the ranges into this file (.png)."""
 
 
 def run_operator_statistics(options: Options) -> dict[str, Any]:
-    """`{"rows": [...]}` per state: the share of the real ranges that the operator covers."""
-    found = operator_statistics(options.clips, options.episodes, options.seed, options.family)
+    """`{"rows": [...]}` per family and state: the share of the real ranges that is covered, and of
+    the real frames that are near one of the operator's."""
+    families = ("default", "wide") if options.family is None else (options.family,)
+    real = real_features(options.clips)
+    found = {
+        family: operator_statistics(real, options.episodes, options.seed, family)
+        for family in families
+    }
     if options.figure is not None:
         plot(found, options.figure)
     made_by = commit()
@@ -120,31 +125,26 @@ def run_operator_statistics(options: Options) -> dict[str, Any]:
             {
                 "state": state,
                 "controller": "synthetic operator",
+                "family": family,
                 "seed": options.seed,
                 "episodes": options.episodes,
                 "commit": made_by,
                 "frames": ranges.frames,
                 **dict(zip(COVERED, map(float, ranges.coverage.mean(axis=1)), strict=True)),
+                **dict(zip(SIMILAR, map(float, ranges.near), strict=True)),
             }
-            for state, ranges in found.items()
+            for family, ranges_of in found.items()
+            for state, ranges in ranges_of.items()
         ]
     }
 
 
 def operator_statistics(
-    clips: Path, people: int = 12, seed: int = 0, family: str = "default"
+    real: dict[str, Array], people: int = 24, seed: int = 0, family: str = "default"
 ) -> dict[str, Ranges]:
-    """Ranges per state of the labelled clips of a folder and of as many sampled people."""
-    real = real_features(clips)
+    """Ranges per state of real features (3, N, F) and of as many sampled people."""
     acted = operator_features(people, np.random.default_rng(seed), family)
-    return {
-        state: Ranges(real=_percentiles(x), operator=_percentiles(acted[state]), frames=x.shape[1])
-        for state, x in real.items()
-    }
-
-
-def _percentiles(x: Array) -> Array:
-    return np.moveaxis(np.percentile(x, [LOW, HIGH], axis=1), 0, 1)
+    return {state: Ranges.of(x, acted[state]) for state, x in real.items()}
 
 
 def _features(clip: HumanClip) -> Array:
@@ -156,70 +156,3 @@ def _load(path: Path) -> HumanClip:
     source = open_source(spec_of(path))
     assert isinstance(source, ClipSource)
     return source.clip
-
-
-def plot(statistics: dict[str, Ranges], path: Path) -> None:
-    """Draw the ranges: a row per state, a column per order, a pair of bars per feature."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-
-    order = _drawing_order()
-    x = np.arange(len(order))
-    units = ("m", "m/s", "m/s²")
-    figure, axes = plt.subplots(
-        len(statistics), 3, figsize=(17, 2.9 * len(statistics) + 1.5), sharex=True, squeeze=False
-    )
-    for row, (state, ranges) in zip(axes, statistics.items()):
-        for k, axis in enumerate(row):
-            acted, real = ranges.operator[k][:, order], ranges.real[k][:, order]
-            axis.bar(x, acted[1] - acted[0], 0.9, acted[0], color="#a9c7e8", label="operator")
-            axis.bar(x, real[1] - real[0], 0.36, real[0], color="#c8553d", label="real people")
-            axis.set_title(
-                f"{state}  {ORDERS[k]} [{units[k]}]   {100 * ranges.coverage[k].mean():.0f} % "
-                "of the real range covered",
-                fontsize=9,
-                loc="left",
-            )
-            axis.grid(axis="y", alpha=0.3)
-            axis.spines[["top", "right"]].set_visible(False)
-            axis.tick_params(labelsize=7)
-            axis.margins(x=0.01)
-            for edge in _part_edges(order):
-                axis.axvline(edge - 0.5, color="k", lw=0.4, alpha=0.4)
-    for axis in axes[-1]:
-        axis.set_xticks(x, [FEATURE_NAMES[i] for i in order], rotation=90, fontsize=5)
-    axes[0, 0].legend(fontsize=8, loc="upper left", frameon=False, ncols=2)
-    frames = ", ".join(f"{r.frames} {s}" for s, r in statistics.items())
-    figure.suptitle(
-        "The synthetic operator beside real people: 5th to 95th percentile of every feature\n"
-        f"joints relative to the pelvis on the template's body (height in leg lengths); real: "
-        f"labelled frames of the CMU and Kinect clips ({frames})",
-        fontsize=11,
-    )
-    figure.tight_layout()
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=100)
-    plt.close(figure)
-
-
-_PARTS = ("spine", "chest", "neck", "head", "_shoulder", "_elbow", "_wrist", "_hip", "_knee",
-          "_ankle", "_toe", "height")  # fmt: skip
-
-
-def _part(name: str) -> int:
-    return next(i for i, part in enumerate(_PARTS) if name.split(".")[0].endswith(part))
-
-
-def _drawing_order() -> list[int]:
-    """Features by body part, then axis, then side."""
-    return sorted(
-        range(len(FEATURE_NAMES)),
-        key=lambda i: (_part(FEATURE_NAMES[i]), FEATURE_NAMES[i][-1], FEATURE_NAMES[i]),
-    )
-
-
-def _part_edges(order: list[int]) -> list[int]:
-    parts = [_part(FEATURE_NAMES[i]) for i in order]
-    return [i for i in range(1, len(parts)) if parts[i] != parts[i - 1]]

@@ -40,13 +40,15 @@ def act(
     bell, march = _steps(h, s, tempo, walk, phase)
     march = march * (1.0 - circles[:, None])
     trunk, pelvis = _trunk(h, s, pace, sit, body_sway, march, bell)
+    trunk[:, 1] += pace * h.march_nod * np.sin(4.0 * np.pi * phase + h.nod_phase)
     knee, shank, heel, out = _knees(h, s, sit, body_sway[:, 7])
     lift, lift_knee, point = _lifts(h, s, bell, march)
     shift = np.stack(
         [
-            body_sway[:, 0] - h.hips_back * np.sin(trunk[:, 1] - _lean(h, s, sit)) * (1.0 - sit),
-            body_sway[:, 1]
-            + 0.5 * h.hips_back * np.sin(trunk[:, 0])
+            h.shifts * body_sway[:, 0]
+            - h.hips_back * np.sin(trunk[:, 1] - _lean(h, s, sit)) * (1.0 - sit),
+            h.shifts * body_sway[:, 1]
+            + (0.5 * h.hips_back - h.roll_hips) * np.sin(trunk[:, 0])
             - h.weight_shift * (_lead(h, tempo, phase) * SIGN).sum(axis=1) * march.max(axis=1),
         ],
         axis=-1,
@@ -57,8 +59,8 @@ def act(
     turn_head = np.stack(
         [
             -h.head_share * 0.5 * trunk[:, 0],
-            -h.head_share * trunk[:, 1] * 0.6 + body_sway[:, 5],
-            h.head_share * 0.3 * trunk[:, 2] + body_sway[:, 6],
+            -h.head_share * trunk[:, 1] * 0.6 + h.looks * body_sway[:, 5],
+            h.head_share * 0.3 * trunk[:, 2] + h.looks * body_sway[:, 6],
         ],
         axis=-1,
     )
@@ -79,7 +81,7 @@ def act(
             swing=np.minimum(4.0 * bell, 1.0) * march,
             tuck=h.tuck * bell**2 * march,
             point=point,
-            knees_out=out,
+            knees_out=out[:, None] - h.step_in * bell * march,
             arms=arms,
             arm_free=free,
         ),
@@ -152,7 +154,7 @@ def _trunk(
     yaw = gain[:, 3] * tilt[:, 2] + sway[:, 4] + h.turn_yaw * turn
     trunk = np.stack([roll, pitch, yaw + 0.8 * h.march_sway * swing], axis=-1)
     share = np.array([h.hips_roll, 0.0, h.hips_yaw])
-    pelvis = trunk * share
+    pelvis = trunk * share + sit[:, None] * h.squat_hips
     pelvis[:, 2] -= 1.2 * h.march_sway * swing
     return trunk, pelvis
 

@@ -18,7 +18,8 @@ class Body:
     """Lengths in m, angles in rad.
 
     ankle_height, toe_height: above the sole, standing flat. foot: ankle to toe along the floor.
-    stance_width: between the ankles. toe_out: each foot turned outwards.
+    stance_width: between the ankles. stance_ahead: the left foot ahead of the right. toe_out: each
+    foot turned outwards.
     """
 
     height: float = 1.72
@@ -35,6 +36,7 @@ class Body:
     upper_arm: float = 0.32
     forearm: float = 0.25
     stance_width: float = 0.24
+    stance_ahead: float = 0.0
     toe_out: float = 0.17
 
     @staticmethod

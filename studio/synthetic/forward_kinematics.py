@@ -28,7 +28,7 @@ class Posture:
     pelvis_rpy, trunk_rpy, head_rpy: (T, 3). heel: (T,) both feet up on their toes.
     lift, lift_knee: (T, 2) thigh and knee flexion that a swinging leg adds. swing: (T, 2) in
     [0, 1], how much a foot is off the floor. tuck: (T, 2) share of the way it comes in under its
-    hip. point: (T, 2) toes pointed down in swing. knees_out: (T,).
+    hip. point: (T, 2) toes pointed down in swing. knees_out: (T, 2).
     arms: (T, 2, 4) upper arm raised forward, outward, twist of the upper arm, elbow flexion.
     arm_free: (T, 2) share of the trunk's roll and pitch that the hanging arm does not follow.
     """
@@ -81,6 +81,7 @@ def _legs(body: Body, p: Posture, out: Array) -> Array:
     toe_out = -SIGN * -body.toe_out  # left foot turns left (+), right foot right (-)
     along = np.stack([np.cos(toe_out), np.sin(toe_out), np.zeros(2)], axis=-1)  # (2, 3)
     flat_ankle = np.zeros((2, 3))
+    flat_ankle[:, 0] = SIGN * 0.5 * body.stance_ahead
     flat_ankle[:, 1] = SIGN * 0.5 * body.stance_width
     toe_xy = flat_ankle + body.foot * along
     # Heels up: the ankle turns about the toe, which stays where it is.
@@ -93,7 +94,7 @@ def _legs(body: Body, p: Posture, out: Array) -> Array:
     z = body.shin * np.cos(p.shank) + body.thigh * np.cos(p.knee - p.shank)
     length_sq = x**2 + z**2
     pelvis = np.empty((steps, 3))
-    pelvis[:, 0] = x + p.pelvis_shift[:, 0] + planted[:, 0, 0]
+    pelvis[:, 0] = x + p.pelvis_shift[:, 0] + planted[..., 0].mean(axis=1)
     pelvis[:, 1] = p.pelvis_shift[:, 1]
     half = np.zeros((steps, 2, 3))
     half[..., 1] = SIGN * body.hip_half_width
@@ -135,7 +136,7 @@ def _legs(body: Body, p: Posture, out: Array) -> Array:
 
 def _knee_axis(toe_out: Array, p: Posture, steps: int) -> Array:
     """(T, 2, 3) axis about which each knee bends: leftwards, turned with foot and pelvis."""
-    yaw = 0.5 * toe_out + 0.5 * p.pelvis_rpy[:, None, 2] + SIGN * p.knees_out[:, None]
+    yaw = 0.5 * toe_out + 0.5 * p.pelvis_rpy[:, None, 2] + SIGN * p.knees_out
     return np.stack([-np.sin(yaw), np.cos(yaw), np.zeros((steps, 2))], axis=-1)
 
 

@@ -41,12 +41,15 @@ class Habits:
     sway: float = 1.0
     lively: float = 0.2  # jiggling, bouncing and swinging along, from 0 to 1
     facing: float = 0.0
+    shifts: float = 1.0  # how far the hips wander, beside the rest of the sway
+    looks: float = 1.0  # how far the head does
     # trunk
     gain: Array = field(default_factory=lambda: np.array([0.9, 1.9, 0.9, 1.4]))
     sit_gain: Array = field(default_factory=lambda: np.array([1.8, 2.0, 1.6, 2.5]))
     hips_yaw: float = 0.4
     hips_roll: float = 0.3
     hips_back: float = 0.30  # m the pelvis goes back in a full bend
+    roll_hips: float = 0.0  # m the hips go along in a side bend: all of it, a side lunge
     head_share: float = 0.4
     # legs
     crouch_knee: float = 1.08
@@ -56,6 +59,7 @@ class Habits:
     squat_lean: float = 0.5
     squat_dive: float = 0.3  # extra lean half way down
     heels_up: float = 0.0
+    squat_hips: Array = field(default_factory=lambda: np.zeros(3))  # turned by so much, when deep
     knees_out: float = 0.1
     squat_arms: str = "hang"
     # arms
@@ -84,6 +88,9 @@ class Habits:
     march_flex: float = 0.5
     march_out: float = 0.05
     march_lean: float = 0.03
+    march_nod: float = 0.0  # the trunk rocks forward and back at every step
+    nod_phase: float = 0.0
+    step_in: float = 0.0  # a lifted knee points inwards
     tuck: float = 0.5  # share of the way that a lifted foot comes in under its hip
     weight_shift: float = 0.035
     bob: float = 0.02

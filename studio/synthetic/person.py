@@ -1,4 +1,4 @@
-"""A Person: body, habits and sensor, drawn from a seed; two families of movers."""
+"""A Person: body, habits and sensor, drawn from a seed; three families of movers."""
 
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -12,10 +12,11 @@ from studio.synthetic.filters import movement_kernel
 from studio.synthetic.habits import Habits, draw_habits, held_out_habits
 from studio.synthetic.sensor import SENSORS, Sensor
 from studio.synthetic.signals import DT
+from studio.synthetic.wide import wide_body, wide_habits
 
 Array = NDArray[np.float64]
-Family = Literal["default", "held_out"]
-FAMILIES: tuple[Family, ...] = ("default", "held_out")
+Family = Literal["default", "held_out", "wide"]
+FAMILIES: tuple[Family, ...] = ("default", "held_out", "wide")
 HELD_OUT_SEED = 30_000
 """People who try what was trained are drawn from here on: no training draws from these seeds."""
 
@@ -69,6 +70,8 @@ class Person:
         habits = draw_habits(rng)
         if family == "held_out":
             habits = held_out_habits(rng, habits)
+        if family == "wide":
+            body, habits = wide_body(rng, body), wide_habits(rng, habits)
         return Person(
             body=body,
             habits=habits,

@@ -14,6 +14,7 @@ from studio.mocap.source import Source
 from studio.reference.intent import Intent, IntentTrack
 from studio.synthetic import FAMILIES, exercise, squats
 from studio.synthetic import signals as sig
+from studio.synthetic.exercises import windmill_arms
 from studio.synthetic.operator import (
     InteractiveOperator,
     OperatorSource,
@@ -23,6 +24,7 @@ from studio.synthetic.operator import (
     play,
 )
 from studio.synthetic.tour import TOUR, tour_signal
+from studio.synthetic.wide import DRILL, SQUAT_HOLD_S
 from studio.training.selector_data import SIT, STAND, UNLABELLED, WALK, labels
 
 DT = sig.DT
@@ -338,6 +340,17 @@ def test_squats_and_marches_are_labelled_by_what_the_body_does():
     assert SIT not in marched
     assert set(marched[45:75]) <= {WALK, UNLABELLED}  # under way, in the middle
     assert (marched[45:75] == WALK).mean() > 0.5
+
+
+def test_wide_people_exercise_on_the_spot_and_squat():
+    for seed in range(4):
+        rng, person = np.random.default_rng(seed), person_of(seed, "wide")
+        track = windmill_arms(exercise(rng, 20.0, DRILL), twists=True)
+        pos = play(sig.of_track(track), person, seed, "drill").true_pos_w
+        assert set(labels(pos)) <= {STAND, UNLABELLED}
+        assert (labels(pos) == STAND).mean() > 0.7
+        pos = play(squats(rng, 20.0, SQUAT_HOLD_S), person, seed, "squats").true_pos_w
+        assert set(labels(pos)) == {STAND, SIT, UNLABELLED}
 
 
 def test_exercises_move_faster_than_the_library_and_only_stand():
