@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from studio.control.drive_command import Reason
 from studio.control.staleness import STAND_AFTER
 from studio.live.safety import DEMO_LIES, OVERRUN_SHARE, OVERRUN_WINDOW, PAGE_LOST_AFTER
+from studio.live.safety_of_robot import robot_side
 from studio.robot.a1 import CONTROL_DT
 
 
@@ -186,7 +187,7 @@ arms. A stop wins over every other row.
 Ctrl C or SIGTERM ends the studio itself, and the simulated robot with it; a take that is being
 recorded keeps what was written. A robot that can hurt somebody needs a switch of its own besides.
 """
-    return head + "\n".join(rows) + "\n" + tail
+    return head + "\n".join(rows) + "\n" + robot_side() + tail
 
 
 def _word(reason: Reason) -> str:
