@@ -20,7 +20,7 @@ import pytest
 import tyro
 from markdown_it import MarkdownIt
 
-from studio import cli
+from studio import __version__, cli
 from studio.reference.library import TASKS
 from studio.sources import SOURCES
 from studio.takes.commands import export_take
@@ -180,7 +180,7 @@ def run_page(page: str, capsys, *, long: bool) -> None:
     names: dict[str, object] = {"__name__": "page"}
     with patch.dict(SOURCES), patch.dict(TASKS):  # a page may add to them
         for block in blocks(page):
-            if block.language == "python":
+            if block.language == "python" and (long or not LONG.search(block.text)):
                 exec(compile(block.text, f"{page}:{block.line}", "exec"), names)
             elif block.language == "sh":
                 for line in lines(block):
@@ -202,3 +202,8 @@ def run_line(line: str, capsys, *, long: bool) -> None:
 def test_pages_that_others_run_are_run_by_them():
     for page, test in TESTED_WITH_STAND_INS.items():
         assert Path(page).name in (REPO / test).read_text("utf-8")
+
+
+def test_the_citation_is_of_this_version():
+    cited = re.findall(r"^version: (.+)$", (REPO / "CITATION.cff").read_text(), re.MULTILINE)
+    assert cited == [__version__]
