@@ -168,7 +168,7 @@ NOT_DECIDING = (
 test below: no number), how a file is checked, how values are summed up."""
 OF_TICK = ("metrics.py", "takes/tick.py")
 """How a tick is written down and judged, not what comes of it."""
-SCENE_OPERATOR = ("evaluation/scene_operator", "evaluation/scene_plays")
+SCENE_OPERATOR = ("evaluation/scene_operator", "evaluation/scene_plays", "evaluation/scene_views")
 
 
 @pytest.mark.parametrize(

@@ -1,7 +1,8 @@
 """Composite tasks: who completes the scenes, step by step, with a person's motion alone.
 
-A scripted operator (`scene_operator`) sees each scene as the page shows it and means what the next
-step needs; a synthetic person whom no mapper has seen acts that out; their motion drives the robot.
+A scripted operator (`scene_operator`) sees each scene as the page shows it, or as the robot's own
+camera does (`scene_views`), and means what the next step needs; a synthetic person whom no mapper
+has seen acts that out; their motion drives the robot.
 """
 
 import logging
@@ -18,8 +19,9 @@ from studio.control.drive_command import PuppeteerConfig
 from studio.control.staleness import stale_command
 from studio.evaluation.kept_runs import file_of, kept_runs
 from studio.evaluation.options import TableOptions
-from studio.evaluation.scene_operator import Eyes, ScriptedOperator
+from studio.evaluation.scene_operator import ScriptedOperator
 from studio.evaluation.scene_plays import PLAYS
+from studio.evaluation.scene_views import View, eyes_of
 from studio.evaluation.tracking import CACHE, names_of
 from studio.human.calibration import Calibration, calibrate
 from studio.human.pose import HumanPose
@@ -36,14 +38,13 @@ log = logging.getLogger(__name__)
 COMPARED = ("policy", "pd_playback", "stand_still")
 GOAL, WITH_GOAL = 0.95, ("greeting", "hardware", "push", "slalom")
 """Share of the policy's runs to complete, of these scenes."""
-VIEW = "third_person"
 _OVERTIME = 5.0
 """s beyond a step's own time after which nobody waits for it any more, the clock running or not."""
 _FLOW = (
     "control", "human", "mocap", "reference", "retarget", "robot", "scenes", "sim", "synthetic",
     "geometry", "rhythm", "timing", "metrics", "puppeteer", "sources", "takes/record", "takes/tick",
     "link/link", "link/sim", "evaluation/composite", "evaluation/scene_operator",
-    "evaluation/scene_plays",
+    "evaluation/scene_plays", "evaluation/scene_views",
 )  # fmt: skip
 """What a run depends on, beside the models."""
 
@@ -58,6 +59,9 @@ class Options(TableOptions):
     """People who try each scene, each with a seed of their own."""
     controllers: tuple[str, ...] = COMPARED
     """Which controllers."""
+    view: tuple[View, ...] = ("third_person",)
+    """What the operator sees: robot and props from outside, what its own camera sees, or that and
+    the robot's measured state."""
     style: Style = "march"
     """Which human motion means walking."""
     threads: int = 0
@@ -72,6 +76,7 @@ class Job:
     controller: str
     style: str
     seed: int
+    view: View = "third_person"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,16 +92,17 @@ class Run:
 
 
 def run_composite(options: Options = Options(), *, cache: Path | None = CACHE) -> dict[str, Any]:
-    """`{"rows": [...]}`: for each scene and controller a row of all runs (`step` "all"), and one a
-    person and step. Attempts are kept in `cache`: a table that was cut off goes on. StudioError for
-    an unknown scene or controller."""
+    """`{"rows": [...]}`: for each scene, controller and view a row of all runs (`step` "all"), and
+    one a person and step. Attempts are kept in `cache`: a table that was cut off goes on.
+    StudioError for an unknown scene or controller."""
     scenes = names_of("scene", options.scenes, tuple(PLAYS))
     chosen = names_of("controller", options.controllers, COMPARED)
     seeds = range(options.seed, options.seed + options.episodes)
     groups = [
-        [Job(scene=s, controller=c, style=options.style, seed=k) for k in seeds]
+        [Job(scene=s, controller=c, style=options.style, seed=k, view=v) for k in seeds]
         for s in scenes
         for c in chosen
+        for v in options.view
     ]
     jobs = [job for group in groups for job in group]
     files = [file_of(cache, "composite", _FLOW, asdict(job)) for job in jobs]
@@ -119,11 +125,11 @@ def attempt(job: Job, on_tick: Callable[[Tick], None] | None = None) -> Run:
 def act_out(job: Job, puppeteer: Puppeteer, on_tick: Callable[[Tick], None] | None = None) -> Run:
     """As `attempt`, with this puppeteer, which is in the job's scene."""
     person = person_of(job)
-    eyes = Eyes(puppeteer.stage, np.random.default_rng([job.seed, 17]))
-    operator = ScriptedOperator(PLAYS[job.scene])
+    eyes = eyes_of(job.view, puppeteer.stage, np.random.default_rng([job.seed, 17]))
+    operator = ScriptedOperator(PLAYS[job.scene], eyes.doubt)
 
     def motion(k: int) -> HumanPose | None:
-        person.set_intent(operator.mean(eyes.see()))
+        person.set_intent(operator.mean(eyes.see(operator.meant)))
         pose = person.read(k * CONTROL_DT)
         return None if pose is None else decode("human", encode("human", pose))
 
@@ -186,7 +192,7 @@ def _row(job: Job, step: str, episodes: int) -> dict[str, Any]:
         "case": job.scene,
         "step": step,
         "controller": job.controller,
-        "view": VIEW,
+        "view": job.view,
         "style": job.style,
         "seed": job.seed,
         "episodes": episodes,
@@ -200,9 +206,10 @@ def _whole(group: Sequence[Job], runs: Sequence[Run]) -> dict[str, Any]:
     times = [run.done[-1] for run in runs if not run.failed]
     reasons = [run.failed for run in runs if run.failed]
     steps = runs[0].steps
+    of_goal = job.controller == "policy" and job.view == "third_person"
     return {
         **_row(job, "all", n),
-        "goal": GOAL if job.scene in WITH_GOAL and job.controller == "policy" else None,
+        "goal": GOAL if job.scene in WITH_GOAL and of_goal else None,
         "done": len(times) / n,
         "done_ci": share_ci(len(times), n),
         "seconds": float(np.median(times)) if times else None,

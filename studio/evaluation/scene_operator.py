@@ -1,13 +1,13 @@
 """A scripted operator: somebody who sees the scene on the page and means what the next step needs.
 
 They see robot and props from outside, a quarter of a second late and half a centimetre off,
-and read which step is next. What they mean (an Intent) is acted out by the synthetic person; that
-person's motion is all that reaches the robot.
+and read which step is next; who is not in the room sees less (`scene_views`). What they mean (an
+Intent) is acted out by the synthetic person; that person's motion is all that reaches the robot.
 """
 
 from collections import deque
 from collections.abc import Callable, Generator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,9 @@ overhead tips the sitting robot over backward."""
 BLUR_M = 0.005
 """m, standard deviation of each coordinate that is seen, anew each period."""
 
+LOOKS_ROUND = Intent(state="walk", task="walk", cadence=0.5, lift=0.3, turn=0.45)
+"""Whoever does not see what they need turns slowly, to the left here, until they do."""
+
 _LOOKS_S = 1.0
 """s over which a turn is seen: a stride sways the trunk."""
 
@@ -35,13 +38,24 @@ _LOOKS_S = 1.0
 @dataclass(frozen=True, kw_only=True)
 class Sight:
     """What the page showed: step, the name of what is to be done; base (3,) m and yaw rad of the
-    robot; turning: rad/s, over the last second; pos: (3,) m of each prop."""
+    robot; turning: rad/s, over the last second; pos: (3,) m of each prop.
+
+    Through the robot's camera all this is what the operator takes it to be: `pos` what is seen or
+    remembered; lost: of what was neither found where it should be, the side to turn to, 1 left or
+    -1 right. places: (2,) m of what lies fast, for who sees it from outside.
+    """
 
     step: str
     base: Array
     yaw: float
     turning: float
     pos: Mapping[str, Array]
+    places: Mapping[str, Array] = field(default_factory=dict)
+    lost: Mapping[str, float] = field(default_factory=dict)
+
+    def spot(self, name: str) -> Array:
+        """(2,) m, world: where a mark, or what else lies fast, is."""
+        return self.places[name] if name in self.places else self.pos[name][:2]
 
     def of(self, name: str) -> Array:
         """(2,) m, where a prop is from the robot: ahead, to the left."""
@@ -53,30 +67,48 @@ class Sight:
 
 
 class Eyes:
-    """The page, seen late. One thread."""
+    """The page, seen late: robot and props from outside. One thread."""
 
     def __init__(self, stage: Stage, rng: np.random.Generator) -> None:
         self._stage, self._rng = stage, rng
         self._shown: deque[Sight] = deque(maxlen=round(REACTION_S / CONTROL_DT) + 1)
         self._yaws: deque[float] = deque(maxlen=round(_LOOKS_S / CONTROL_DT) + 1)
+        scene = stage.scene
+        self._places = {
+            prop.name: np.array(prop.pos[:2])
+            for prop in scene.props
+            if prop.held in ("drawn", "fixed") and prop.name not in scene.scatter
+        }
 
-    def see(self) -> Sight:
-        """What was shown REACTION_S ago; the page shows what is now."""
-        stage, robot = self._stage, self._stage.world.state
-        step = stage.step_now
-        self._yaws.append(robot.yaw)
-        turned = float(geometry.wrap_angle(robot.yaw - self._yaws[0]))
-        places = stage.seen.pos if stage.seen is not None else {}
-        self._shown.append(
-            Sight(
-                step=step.name if step is not None else "",
-                base=self._blurred(robot.base_pos),
-                yaw=robot.yaw,
-                turning=turned / _LOOKS_S,
-                pos={name: self._blurred(pos) for name, pos in places.items()},
-            )
-        )
+    def see(self, meant: Intent) -> Sight:
+        """What was shown REACTION_S ago; the page shows what is now. meant: by its operator, in
+        the period before."""
+        step = self._stage.step_now
+        self._shown.append(self._look(step.name if step is not None else "", meant))
         return self._shown[0]
+
+    def doubt(self, name: str) -> bool:
+        """All that was tried at a prop came to nothing: whether its place was believed, not seen,
+        and is now to be looked for."""
+        return False
+
+    def _look(self, step: str, meant: Intent) -> Sight:
+        robot, seen = self._stage.world.state, self._stage.seen
+        base = self._blurred(robot.base_pos)
+        places = seen.pos if seen is not None else {}
+        return Sight(
+            step=step,
+            base=base,
+            yaw=robot.yaw,
+            turning=self._turning(robot.yaw),
+            pos={name: self._blurred(pos) for name, pos in places.items()},
+            places=self._places,
+        )
+
+    def _turning(self, yaw: float) -> float:
+        """rad/s over the last second, of a heading (rad) that is told each period."""
+        self._yaws.append(yaw)
+        return float(geometry.wrap_angle(yaw - self._yaws[0])) / _LOOKS_S
 
     def _blurred(self, pos: Array) -> Array:
         return pos + BLUR_M * self._rng.standard_normal(3)
@@ -85,12 +117,17 @@ class Eyes:
 class ScriptedOperator:
     """Means, period by period, what the step on the page needs. One thread."""
 
-    def __init__(self, plays: Mapping[str, Callable[["ScriptedOperator"], Meaning]]) -> None:
-        """plays: how each step of the scene is done, by its name."""
-        self._plays = plays
+    def __init__(
+        self,
+        plays: Mapping[str, Callable[["ScriptedOperator"], Meaning]],
+        doubt: Callable[[str], bool] = lambda name: False,
+    ) -> None:
+        """plays: how each step of the scene is done, by its name. doubt: as `Eyes.doubt`."""
+        self._plays, self.doubt = plays, doubt
         self._step: str | None = None
         self._meaning: Meaning | None = None
         self._reach = np.zeros(2)
+        self.meant = Intent()
         self.sight: Sight
 
     def mean(self, sight: Sight) -> Intent:
@@ -99,7 +136,27 @@ class ScriptedOperator:
         if sight.step != self._step:
             self._step = sight.step
             self._meaning = self._plays[sight.step](self) if sight.step else None
-        meant = Intent() if self._meaning is None else next(self._meaning, Intent())
+        meant = Intent() if self._meaning is None else self._next(self._meaning, sight)
         most = ARM_RATE * CONTROL_DT
         self._reach = self._reach + np.clip(meant.reach - self._reach, -most, most)
-        return replace(meant, reach=self._reach)
+        self.meant = replace(meant, reach=self._reach)
+        return self.meant
+
+    def _next(self, meaning: Meaning, sight: Sight) -> Intent:
+        """What the step needs; or, where the operator does not know where its things are, a look
+        round for them."""
+        play = self._plays[sight.step]
+        for name in needs(play):
+            if name not in sight.pos:
+                side = sight.lost.get(name, 1.0)
+                return replace(LOOKS_ROUND, turn=side * LOOKS_ROUND.turn)
+        intent = next(meaning, None)
+        if intent is None and any([self.doubt(name) for name in needs(play)]):
+            self._meaning = play(self)
+        return intent or Intent()
+
+
+def needs(play: Callable[..., Meaning]) -> tuple[str, ...]:
+    """The props that a play is about: the names that it was given."""
+    given = getattr(play, "keywords", {}).values()
+    return tuple(each for each in given if isinstance(each, str))

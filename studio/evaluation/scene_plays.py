@@ -14,7 +14,7 @@ from studio import geometry
 from studio.evaluation.scene_operator import Meaning, ScriptedOperator
 from studio.reference.intent import Intent
 from studio.robot.a1 import CONTROL_DT
-from studio.scenes import fetch, push, rough, slalom
+from studio.scenes import slalom
 
 Array = NDArray[np.float64]
 Play = Callable[[ScriptedOperator], Meaning]
@@ -104,9 +104,9 @@ def greet(me: ScriptedOperator) -> Meaning:
         yield from wait(2.0, Intent(task="tilt", tilt=np.array([-0.4, 0.0, 0.0])))
 
 
-def walk_to(me: ScriptedOperator, x: float, y: float) -> Meaning:
-    """Walk to a place in the world and stand there."""
-    yield from approach(me, lambda: me.sight.to(np.array([x, y])), 0.0)
+def walk_to(me: ScriptedOperator, mark: str) -> Meaning:
+    """Walk onto a mark and stand there."""
+    yield from approach(me, lambda: me.sight.to(me.sight.spot(mark)), 0.0)
 
 
 def duck(me: ScriptedOperator) -> Meaning:
@@ -157,19 +157,20 @@ def touch_sitting(
                 )
         ahead -= CLOSER
         yield from wait(4.0)
+        me.doubt(name)
 
 
-def push_to(me: ScriptedOperator, name: str, x: float, y: float) -> Meaning:
+def push_to(me: ScriptedOperator, name: str, mark: str) -> Meaning:
     """Walk into it from behind, on the line from it to the mark, until it is nearly there; around
     it and again where it slipped off, or went too far."""
-    mark, way = np.array([x, y]), np.array([1.0, 0.0])
+    way = np.array([1.0, 0.0])
     while True:
-        gap = mark - me.sight.pos[name][:2]
+        gap = me.sight.spot(mark) - me.sight.pos[name][:2]
         left = float(np.linalg.norm(gap))
         if left < 2.0 * LEAD or 0.0 > way @ gap > -NEAR:
             yield from halt(me)
             yield from wait(HELD_S)
-            gap = mark - me.sight.pos[name][:2]
+            gap = me.sight.spot(mark) - me.sight.pos[name][:2]
             way = gap / np.linalg.norm(gap)
             continue
         if left > NEAR:
@@ -206,35 +207,25 @@ def _from(me: ScriptedOperator, name: str, way: Array) -> tuple[float, float]:
     return float(way @ off), float(way[0] * off[1] - way[1] * off[0])
 
 
-def go_through(me: ScriptedOperator, places: Callable[[ScriptedOperator], list[Array]]) -> Meaning:
-    """Walk through places of the world, along x, each until it is passed."""
-    for k in range(len(places(me))):
-        while (place := places(me)[k])[0] > me.sight.base[0]:
+def past_pole(me: ScriptedOperator, pole: str, aside: float) -> Meaning:
+    """Beside a pole, along x, then on."""
+    for off in (-0.4, 0.4):
+        while (place := me.sight.pos[pole][:2] + [off, aside])[0] > me.sight.base[0]:
             yield walking(me.sight.to(place), turning=me.sight.turning)
 
 
-def past_pole(me: ScriptedOperator, k: int, aside: float) -> Meaning:
-    """Beside a pole, then on."""
-    pole = f"pole{k + 1}"
-
-    def beside(me: ScriptedOperator) -> list[Array]:
-        at = me.sight.pos[pole][:2] + [0.0, aside * slalom.SIDES[k]]
-        return [at - [0.4, 0.0], at + [0.4, 0.0]]
-
-    return go_through(me, beside)
-
-
-def straight(me: ScriptedOperator, x: float) -> Meaning:
-    """On along the middle."""
+def straight(me: ScriptedOperator, mark: str) -> Meaning:
+    """On along the middle, over a mark and beyond."""
     while True:
-        ahead = me.sight.to(np.array([max(x, float(me.sight.base[0]) + 1.0), 0.0]))
+        x, y = me.sight.spot(mark)
+        ahead = me.sight.to(np.array([max(x + 0.3, float(me.sight.base[0]) + 1.0), y]))
         yield walking(ahead, turning=me.sight.turning)
 
 
 PLAYS: Mapping[str, Mapping[str, Play]] = {
     "greeting": {
         "greet": greet,
-        "walk": partial(walk_to, x=3.0, y=0.0),
+        "walk": partial(walk_to, mark="mark"),
         "dodge": duck,
         "touch": partial(touch_standing, name="target"),
         "reach": partial(touch_sitting, name="high", ahead=-0.12),
@@ -244,18 +235,15 @@ PLAYS: Mapping[str, Mapping[str, Play]] = {
         "touch": partial(touch_sitting, name="bone", ahead=-0.08),
         "dodge": duck,
     },
-    "push": {
-        "walk": partial(push_to, name="box", x=push.GOAL[0], y=push.GOAL[1]),
-        "push": partial(push_to, name="box", x=push.GOAL[0], y=push.GOAL[1]),
-    },
+    "push": {step: partial(push_to, name="box", mark="mark") for step in ("walk", "push")},
     "slalom": {
-        **{f"pole{k + 1}": partial(past_pole, k=k, aside=0.5) for k in range(len(slalom.SIDES))},
-        "finish": partial(straight, x=slalom.END + 0.3),
+        **{
+            pole.name: partial(past_pole, pole=pole.name, aside=0.5 * side)
+            for pole, side in zip(slalom.POLES, slalom.SIDES, strict=True)
+        },
+        "finish": partial(straight, mark="mark"),
     },
-    "rough": {name: partial(straight, x=rough.END + 0.3) for name in ("stairs", "slope", "bumps")},
-    "fetch": {
-        "reach": partial(push_to, name="ball", x=fetch.GOAL_X + 0.4, y=0.0),
-        "goal": partial(push_to, name="ball", x=fetch.GOAL_X + 0.4, y=0.0),
-    },
+    "rough": {name: partial(straight, mark="mark") for name in ("stairs", "slope", "bumps")},
+    "fetch": {step: partial(push_to, name="ball", mark="net") for step in ("reach", "goal")},
 }
 """For each scene, how each of its steps is done."""

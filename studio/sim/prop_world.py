@@ -90,6 +90,21 @@ class PropWorld(World):
             return self.data.geom(name).xpos.copy()
         return self.data.body(name).xpos.copy()
 
+    def hidden(self, eye: ArrayLike, point: ArrayLike, name: str) -> bool:
+        """Another prop, or the ground, lies between an eye and a point of the prop `name`: (3,) m,
+        world, each. The robot hides nothing: its capsules are wider than its legs."""
+        start, end = (np.asarray(each, dtype=np.float64) for each in (eye, point))
+        met = np.zeros(1, dtype=np.int32)
+        while (left := float(np.linalg.norm(end - start))) > NEAR:
+            way = (end - start) / left
+            far = mujoco.mj_ray(self.model, self.data, start, way, None, 1, -1, met)
+            if met[0] < 0 or far > left - NEAR or self._geom_name[met[0]] == name:
+                return False
+            if not self._geom_robot[met[0]]:
+                return True
+            start = start + (far + NEAR) * way
+        return False
+
     def poses(self) -> PropPoses:
         """Of those that have bodies, now; arrays of its own."""
         pos = self.data.xpos[self._bodies]

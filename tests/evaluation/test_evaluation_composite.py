@@ -39,7 +39,7 @@ def test_what_is_seen_of_the_page_is_a_reaction_late() -> None:
     for k in range(30):
         if k == 10:
             stage.world.move_base([0.5, 0.0], 0.0)
-        shown.append(eyes.see().base[0] > 0.25)
+        shown.append(eyes.see(Intent()).base[0] > 0.25)
     assert shown.index(True) == 10 + round(REACTION_S / CONTROL_DT)
 
 
@@ -50,7 +50,7 @@ def test_a_play_begins_with_its_step_and_whoever_has_no_more_to_try_stands() -> 
     stage = Stage("push")
     stage.reset(NEUTRAL["stand"])
     eyes, operator = Eyes(stage, np.random.default_rng(0)), ScriptedOperator({"walk": once})
-    meant = [operator.mean(eyes.see()) for _ in range(3)]
+    meant = [operator.mean(eyes.see(Intent())) for _ in range(3)]
     assert [intent.crouch for intent in meant] == [1.0, 0.0, 0.0]
 
 
