@@ -6,9 +6,12 @@ run by `make test-long`; `# minutes`, `# hours`, `# needs …` and `# until Ctrl
 names in capitals. A page's blocks run in their order, in one folder with the example takes in it.
 """
 
+import os
 import re
 import shlex
 import shutil
+import subprocess
+import sys
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -207,3 +210,16 @@ def test_pages_that_others_run_are_run_by_them():
 def test_the_citation_is_of_this_version():
     cited = re.findall(r"^version: (.+)$", (REPO / "CITATION.cff").read_text(), re.MULTILINE)
     assert cited == [__version__]
+
+
+@pytest.mark.slow
+def test_the_site_is_built_strictly_and_asks_no_other_server(tmp_path):
+    env = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
+    argv = [sys.executable, "-m", "mkdocs", "build", "--quiet", "--strict", "--site-dir", tmp_path]
+    subprocess.run([*argv, "--config-file", REPO / "docs/mkdocs.yml"], check=True, env=env)
+    for page in ("index.html", "docs/guide/api.html", "models/policy/index.html"):
+        html = (tmp_path / page).read_text("utf-8")
+        assert not re.findall(
+            r"<(?:script|link|img|iframe)[^>]+(?:src|href)=\"?(?:https?:)?//", html
+        )
+        assert "<script" in html
