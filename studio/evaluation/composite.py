@@ -60,8 +60,8 @@ class Options(TableOptions):
     controllers: tuple[str, ...] = COMPARED
     """Which controllers."""
     view: tuple[View, ...] = ("third_person",)
-    """What the operator sees: robot and props from outside, what its own camera sees, or that and
-    the robot's measured state."""
+    """What the operator sees: robot and props from outside, what the robot's own camera sees, or
+    that and the robot's measured state."""
     style: Style = "march"
     """Which human motion means walking."""
     threads: int = 0

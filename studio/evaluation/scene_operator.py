@@ -29,7 +29,11 @@ BLUR_M = 0.005
 """m, standard deviation of each coordinate that is seen, anew each period."""
 
 LOOKS_ROUND = Intent(state="walk", task="walk", cadence=0.5, lift=0.3, turn=0.45)
-"""Whoever does not see what they need turns slowly, to the left here, until they do."""
+WALKS_ON = Intent(state="walk", task="walk", cadence=0.75, lift=0.5)
+"""Whoever does not see what they need turns slowly, to the left here, until they do, and walks on
+after a turn in vain; first, where it is too near to be seen."""
+TURN_S, ON_S, TOO_NEAR = 25.0, 5.0, 1.0
+"""s of a turn, s of walking on, m."""
 
 _LOOKS_S = 1.0
 """s over which a turn is seen: a stride sways the trunk."""
@@ -41,8 +45,8 @@ class Sight:
     robot; turning: rad/s, over the last second; pos: (3,) m of each prop.
 
     Through the robot's camera all this is what the operator takes it to be: `pos` what is seen or
-    remembered; lost: of what was neither found where it should be, the side to turn to, 1 left or
-    -1 right. places: (2,) m of what lies fast, for who sees it from outside.
+    remembered; lost: of what was not found where it should be, (2,) m, where that was from the
+    robot: ahead, to the left. places: (2,) m of what lies fast, for who sees it from outside.
     """
 
     step: str
@@ -51,7 +55,7 @@ class Sight:
     turning: float
     pos: Mapping[str, Array]
     places: Mapping[str, Array] = field(default_factory=dict)
-    lost: Mapping[str, float] = field(default_factory=dict)
+    lost: Mapping[str, Array] = field(default_factory=dict)
 
     def spot(self, name: str) -> Array:
         """(2,) m, world: where a mark, or what else lies fast, is."""
@@ -128,6 +132,7 @@ class ScriptedOperator:
         self._meaning: Meaning | None = None
         self._reach = np.zeros(2)
         self.meant = Intent()
+        self._looking: float | None = None
         self.sight: Sight
 
     def mean(self, sight: Sight) -> Intent:
@@ -148,12 +153,21 @@ class ScriptedOperator:
         play = self._plays[sight.step]
         for name in needs(play):
             if name not in sight.pos:
-                side = sight.lost.get(name, 1.0)
-                return replace(LOOKS_ROUND, turn=side * LOOKS_ROUND.turn)
+                return self._look_for(sight.lost[name])
+        self._looking = None
         intent = next(meaning, None)
         if intent is None and any([self.doubt(name) for name in needs(play)]):
             self._meaning = play(self)
         return intent or Intent()
+
+    def _look_for(self, where: Array) -> Intent:
+        """The next period of looking for something that should have been there, (2,) m."""
+        if self._looking is None:
+            self._looking = TURN_S if np.hypot(*where) < TOO_NEAR else 0.0
+        self._looking += CONTROL_DT
+        if self._looking % (TURN_S + ON_S) > TURN_S:
+            return WALKS_ON
+        return replace(LOOKS_ROUND, turn=float(np.copysign(LOOKS_ROUND.turn, where[1])))
 
 
 def needs(play: Callable[..., Meaning]) -> tuple[str, ...]:

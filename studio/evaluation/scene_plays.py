@@ -170,6 +170,7 @@ def push_to(me: ScriptedOperator, name: str, mark: str) -> Meaning:
         if left < 2.0 * LEAD or 0.0 > way @ gap > -NEAR:
             yield from halt(me)
             yield from wait(HELD_S)
+            me.doubt(name)
             gap = me.sight.spot(mark) - me.sight.pos[name][:2]
             way = gap / np.linalg.norm(gap)
             continue

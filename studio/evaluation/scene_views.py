@@ -57,7 +57,7 @@ class CameraEyes(Eyes):
         self._shapes = {prop.name: prop for prop in shapes}
         self._pos = {prop.name: np.array(prop.pos) for prop in shapes}
         self._missed = dict.fromkeys(self._pos, 0.0)
-        self._lost: dict[str, float] = {}
+        self._lost: dict[str, Array] = {}
         self._seen: frozenset[str] = frozenset()
 
     def _look(self, step: str, meant: Intent) -> Sight:
@@ -67,7 +67,7 @@ class CameraEyes(Eyes):
         for name, point_b in seen.items():
             self._pos[name] = base + geometry.quat_rotate(quat, point_b)
             self._missed[name] = 0.0
-            self._lost = {n: side for n, side in self._lost.items() if n != name}
+            self._lost = {n: where for n, where in self._lost.items() if n != name}
         for name in self._pos.keys() - seen.keys():
             self._miss(name, geometry.quat_rotate_inverse(quat, self._pos[name] - base), seen)
         yaw = float(geometry.heading(quat))
@@ -108,11 +108,12 @@ class CameraEyes(Eyes):
             return
         self._missed[name] += CONTROL_DT
         if self._missed[name] > MISSES_S:
-            self._forget(name, at_b)
+            self._forget(name)
 
-    def _forget(self, name: str, at_b: Array) -> None:
-        self._lost = {**self._lost, name: 1.0 if at_b[1] > 0.0 else -1.0}
-        del self._pos[name]
+    def _forget(self, name: str) -> None:
+        gap = self._pos.pop(name)[:2] - self._base[:2]
+        where = geometry.turn_xy(gap, -float(geometry.heading(self._quat)))
+        self._lost = {**self._lost, name: where}
 
 
 class CameraOnlyEyes(CameraEyes):
@@ -129,8 +130,7 @@ class CameraOnlyEyes(CameraEyes):
         if name in self._seen:
             return False
         if name in self._pos:
-            at_b = geometry.quat_rotate_inverse(self._quat, self._pos[name] - self._base)
-            self._forget(name, at_b)
+            self._forget(name)
         return True
 
     def _robot(self, meant: Intent) -> tuple[Array, Array]:

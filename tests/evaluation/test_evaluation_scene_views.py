@@ -13,7 +13,9 @@ from studio.evaluation import composite as co
 from studio.evaluation.scene_operator import (
     BLUR_M,
     LOOKS_ROUND,
+    ON_S,
     REACTION_S,
+    TURN_S,
     Eyes,
     ScriptedOperator,
     Sight,
@@ -179,6 +181,21 @@ def test_what_is_not_where_it_should_be_is_given_up_and_looked_for() -> None:
     moved(stage, 0.0, 0.0, np.pi)
     assert off(stage, seen(eyes), "box") < 0.1
     assert operator.mean(eyes.see(operator.meant)).turn != LOOKS_ROUND.turn
+
+
+def test_whoever_turned_in_vain_or_stands_too_near_walks_on() -> None:
+    def looks(where: list[float]) -> list[bool]:
+        """Whether they turn, a period each."""
+        operator = ScriptedOperator(PLAYS["push"])
+        lost = {"box": np.array(where), "mark": np.zeros(2)}
+        sight = Sight(step="walk", base=np.zeros(3), yaw=0.0, turning=0.0, pos={}, lost=lost)
+        meant = [operator.mean(sight) for _ in range(round((TURN_S + 10.0) / CONTROL_DT))]
+        assert {np.sign(intent.turn) for intent in meant} == {0.0, np.sign(where[1])}
+        return [intent.turn != 0.0 for intent in meant]
+
+    far, near = looks([2.0, -0.5]), looks([0.3, 0.2])
+    assert far.index(False) == pytest.approx(TURN_S / CONTROL_DT, abs=2)
+    assert (near[0], near.index(True)) == (False, pytest.approx(ON_S / CONTROL_DT, abs=2))
 
 
 def test_a_play_that_came_to_nothing_is_begun_again_where_a_place_was_only_believed() -> None:
