@@ -17,8 +17,15 @@ from studio.synthetic.wide import wide_body, wide_habits
 Array = NDArray[np.float64]
 Family = Literal["default", "held_out", "wide"]
 FAMILIES: tuple[Family, ...] = ("default", "held_out", "wide")
+MIXED = "mixed"
+"""To learn from: half of the people of the default family, half of the wide one."""
 HELD_OUT_SEED = 30_000
 """People who try what was trained are drawn from here on: no training draws from these seeds."""
+
+
+def family_of(people: str, rng: np.random.Generator) -> str:
+    """A family, or one of two for `MIXED`."""
+    return str(rng.choice(["default", "wide"])) if people == MIXED else people
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -36,15 +36,16 @@ class MapperTraining:
     """How experts are trained.
 
     style: which human motion means walking. state: one expert, "selector", or "all".
-    seed: everything follows from it. out: folder for the weights (default: the shipped
-    models/mapper/STYLE). seconds: synthetic motion per expert, mirrored copies included.
-    resume: go on from a checkpoint left by a run that was stopped. steps, batch, hidden,
-    learning_rate: of the networks. input_noise: sigma added to normalised inputs.
-    selector_seconds: motion for the prototypes.
+    people: family of the synthetic people, or half of each. seed: everything follows from it.
+    out: folder for the weights (default: the shipped models/mapper/STYLE). seconds: synthetic
+    motion per expert, mirrored copies included. resume: go on from a checkpoint left by a run that
+    was stopped. steps, batch, hidden, learning_rate: of the networks. input_noise: sigma added to
+    normalised inputs. selector_seconds: motion for the prototypes.
     """
 
     style: Literal["march", "circles", "semantic"] = "march"
     state: Literal["all", "stand", "walk", "sit", "selector"] = "all"
+    people: Literal["default", "wide", "mixed"] = "default"
     seed: int = 0
     out: Path | None = None
     resume: bool = True

@@ -23,8 +23,10 @@ from studio.reference.realize import realize
 from studio.retarget.mapper import RATES
 from studio.synthetic import Habits, Person, exercise, play
 from studio.synthetic import signals as sig
-from studio.synthetic.exercises import windmill_arms
+from studio.synthetic.exercises import USUAL, windmill_arms
 from studio.synthetic.idle import AT_REST
+from studio.synthetic.person import family_of
+from studio.synthetic.wide import DRILL
 from studio.timing import CONTROL_HZ
 
 Array = NDArray[np.float64]
@@ -36,6 +38,7 @@ KNOWN_AFTER = 15
 """Control periods of a performance that are no pairs."""
 EXERCISE_SHARE = 0.4
 """Share of standing performances at people's own brisk pace: library tasks are the robot's."""
+WIDE_EXERCISE_SHARE = 0.7
 ELBOW_SHARE, REST_SHARE, BOTH_SHARE = 0.7, 0.35, 0.5
 """Of standing people: who raise a hand elbow first, whose idle hands wander (`idle.AT_REST`), and
 who raise both hands where one paw is meant."""
@@ -98,7 +101,7 @@ def performances(
 
     Every second one is also given mirrored. Short ones, so that there are many people: with a
     quarter as many, an expert erred twice as much on new people as on those it knew.
-    family: see `Person.sample`.
+    family: see `Person.sample`, or `MIXED`.
     """
     done = 0.0
     for track, robot, person in acts(state, rng, family, style, clip_seconds):
@@ -106,7 +109,7 @@ def performances(
             return
         both = track is not robot  # and the right one is meant
         if track.task == "exercise" and not both:
-            track = windmill_arms(track)
+            track = windmill_arms(track, twists=person.family == "wide" and rng.random() < 0.5)
         pairs = pair_up(track, realize(robot), person, rng)
         done += len(pairs) / CONTROL_HZ
         yield pairs
@@ -122,12 +125,14 @@ def acts(
     of it (the same, but where both arms rise), and who it is."""
     tasks = task_names(state)
     while True:
+        one = family_of(family, rng)
+        share, drill = (WIDE_EXERCISE_SHARE, DRILL) if one == "wide" else (EXERCISE_SHARE, USUAL)
         name = str(rng.choice(tasks, p=np.full(len(tasks), 1.0 / len(tasks))))
-        if state == "stand" and rng.random() < EXERCISE_SHARE:
-            track = exercise(rng, clip_seconds)
+        if state == "stand" and rng.random() < share:
+            track = exercise(rng, clip_seconds, drill)
         else:
             track = TASKS[name].sample(rng, clip_seconds, float(rng.uniform(0.3, 1.0)))
-        person = Person.sample(rng, family, style=style).still()
+        person = Person.sample(rng, one, style=style).still()
         if state == "stand":
             person = replace(person, habits=own_way(person.habits, rng))
         robot = track

@@ -18,6 +18,9 @@ from studio.reference.library import TASKS, task_names
 from studio.retarget.selector import NAMES, SELECTOR_CUTOFF_HZ, TripletFilter
 from studio.synthetic import Performance, Person, exercise, play, squats
 from studio.synthetic import signals as sig
+from studio.synthetic.exercises import windmill_arms
+from studio.synthetic.person import family_of
+from studio.synthetic.wide import DRILL, SQUAT_HOLD_S
 from studio.timing import CONTROL_DT, CONTROL_HZ
 
 Array = NDArray[np.float64]
@@ -70,14 +73,16 @@ def sequences(
 ) -> Iterator[Frames]:
     """One person after another, `each` seconds long, until there are `seconds` of them."""
     for person_id in range(max(1, round(seconds / each))):
-        person = Person.sample(rng, family, style=style)
+        one = family_of(family, rng)
+        person = Person.sample(rng, one, style=style)
         # Where walking is circling the hands, whoever marches means nothing by it.
         if style == "circles" and person_id % MARCHERS == 3:
             person = replace(person, style="march")
         habits = person.habits
         # Some people exaggerate: a twist of 100 degrees is still a twist, not a walk.
-        person = replace(person, habits=replace(habits, gain=habits.gain * rng.uniform(1.0, 1.8)))
-        performance = play(sequence(rng, each), person, rng, "sequence")
+        more = rng.uniform(1.0, 1.3 if one == "wide" else 1.8)
+        person = replace(person, habits=replace(habits, gain=habits.gain * more))
+        performance = play(sequence(rng, each, one), person, rng, "sequence")
         clip = performance.clip
         scanned = rng.random() < 0.7
         known = calibrate([clip[i] for i in range(0, len(clip), 15)]) if scanned else Calibration()
@@ -94,14 +99,14 @@ def sequences(
         )
 
 
-def sequence(rng: np.random.Generator, seconds: float) -> Array:
+def sequence(rng: np.random.Generator, seconds: float, family: str = "default") -> Array:
     """A signal (T, NUM) of `seconds`: tasks of random states, one after another."""
     parts: list[Array] = []
     frames, last = 0, ""
     while frames < 30 * seconds:
         kind = str(rng.choice([k for k in LENGTH if k != last]))
         span = float(rng.uniform(*LENGTH[kind]))
-        part = _part(kind, max(span, 4.0), rng)[: round(30 * span)]
+        part = _part(kind, max(span, 4.0), rng, family)[: round(30 * span)]
         if kind in ("stand", "exercise") and rng.random() < 0.3:
             _both_arms(part, rng)
         parts.append(part)
@@ -109,9 +114,12 @@ def sequence(rng: np.random.Generator, seconds: float) -> Array:
     return np.concatenate(parts)
 
 
-def _part(kind: str, seconds: float, rng: np.random.Generator) -> Array:
+def _part(kind: str, seconds: float, rng: np.random.Generator, family: str) -> Array:
     if kind == "squats":
-        return squats(rng, seconds)
+        return squats(rng, seconds, *([SQUAT_HOLD_S] if family == "wide" else []))
+    if kind == "exercise" and family == "wide":
+        track = exercise(rng, seconds, DRILL)
+        return sig.of_track(windmill_arms(track, twists=rng.random() < 0.5))
     if kind == "exercise":
         return sig.of_track(exercise(rng, seconds))
     task = TASKS[str(rng.choice(task_names(kind)))]

@@ -27,14 +27,18 @@ NOISE = 0.2
 
 
 def fit_selector(
-    style: str, seed: int, seconds: float, tick: Callable[[int], None] | None = None
+    style: str,
+    seed: int,
+    seconds: float,
+    tick: Callable[[int], None] | None = None,
+    family: str = "default",
 ) -> tuple[dict[str, NDArray], dict[str, float]]:
     """Prototypes (as tensors) from `seconds` of synthetic people, and scores on held-out ones.
 
     Scores: share of frames whose bare vote is right, overall and per state, on people of the
     held-out family.
     """
-    frames = collect(np.random.default_rng([seed, 77]), seconds, style, tick=tick)
+    frames = collect(np.random.default_rng([seed, 77]), seconds, style, family, tick)
     held = collect(np.random.default_rng([seed, 78]), 300.0, style, family="held_out")
     prototypes = fit_prototypes(frames, seed)
     return prototypes.tensors(), score(prototypes, held)

@@ -51,7 +51,11 @@ def run_train_mapper(config: MapperTraining) -> dict[str, Any]:
             if part == "selector":
                 task = bar.add_task("selector: people moving", total=int(config.selector_seconds))
                 tensors, scores = fit_selector(
-                    config.style, config.seed, config.selector_seconds, _ticker(bar, task)
+                    config.style,
+                    config.seed,
+                    config.selector_seconds,
+                    _ticker(bar, task),
+                    config.people,
                 )
             else:
                 tensors, scores = _train_expert(cast(StateName, part), config, out, bar)
@@ -86,7 +90,9 @@ def _train_expert(
     state: StateName, config: MapperTraining, out: Path, bar: Progress
 ) -> tuple[dict[str, Any], dict[str, float]]:
     task = bar.add_task(f"{state}: people acting (s)", total=int(config.seconds))
-    pairs = make_pairs(state, config.seconds, config.seed, config.style, tick=_ticker(bar, task))
+    pairs = make_pairs(
+        state, config.seconds, config.seed, config.style, config.people, _ticker(bar, task)
+    )
     held = make_pairs(state, 120.0, config.seed + 10_000, config.style, family="held_out")
     task = bar.add_task(f"{state}: learning (steps)", total=config.steps)
     net = fit_expert(state, pairs, config, out / f"{state}.checkpoint", _ticker(bar, task))
@@ -128,7 +134,8 @@ def _write(
     stem = out / part
     row = {
         "expert": part,
-        "data": "synthetic operators, family default; held out: family held_out, other bodies",
+        "data": f"synthetic operators, family {config.people}; "
+        "held out: family held_out, other bodies",
         "seed": config.seed,
         "commit": commit(),
         "seconds": seconds,

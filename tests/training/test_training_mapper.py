@@ -8,7 +8,7 @@ import pytest
 from canonical_people import MIRROR_JOINTS
 
 from studio import geometry
-from studio.human.features import FEATURE_DIM, clip_features, mirror_features
+from studio.human.features import FEATURE_DIM, FEATURE_NAMES, clip_features, mirror_features
 from studio.human.pose import HumanClip
 from studio.reference.library import TASKS
 from studio.reference.realize import realize
@@ -21,9 +21,11 @@ from studio.retarget.retargeter import Retargeter
 from studio.retarget.store import load_experts
 from studio.synthetic import Person, perform, play
 from studio.synthetic import signals as sig
+from studio.synthetic.person import MIXED
 from studio.training import checkpoint
 from studio.training.mapper_fit import MapperTraining, fit_expert, new_net, score
 from studio.training.operator_pairs import (
+    acts,
     mirrored,
     pair_up,
 )
@@ -163,11 +165,28 @@ def test_frame_labels_follow_the_body():
     assert not np.any(walking == SIT)
 
 
-def test_sequences_hold_every_state_and_many_people():
-    parts = list(sequences(np.random.default_rng(0), 150.0))
+@pytest.mark.parametrize("family", ["default", "mixed"])
+def test_sequences_hold_every_state_and_many_people(family):
+    parts = list(sequences(np.random.default_rng(0), 150.0, family=family))
     together = np.concatenate([p.label for p in parts])
     assert len(parts) == 5
     assert set(together) == {STAND, WALK, SIT}
+
+
+def test_mixed_people_are_of_both_families_and_bend_deeper_than_the_default():
+    families = {
+        someone.family
+        for (_, _, someone), _ in zip(
+            acts("stand", np.random.default_rng(0), MIXED, "march", 2.0), range(12)
+        )
+    }
+    assert families == {"default", "wide"}
+    chest_z = FEATURE_DIM + FEATURE_NAMES.index("chest.z")  # its speed
+    speed = [
+        np.abs(make_pairs("stand", 60.0, 2, family=f).triplet[:, chest_z]).mean()
+        for f in ("default", MIXED)
+    ]
+    assert speed[1] > 1.3 * speed[0]
 
 
 @pytest.mark.slow
