@@ -13,6 +13,7 @@ from dataclasses import replace
 
 from studio.control.controllers import ControllerInput, open_controller
 from studio.control.drive_command import FOLLOW, Directive, DriveCommand, PuppeteerConfig, Reason
+from studio.control.floor_slope import FloorSlope
 from studio.control.staleness import STALE_AFTER, STAND_AFTER, why_still
 from studio.control.state_machine import Decision, StateMachine
 from studio.errors import unknown_name
@@ -75,9 +76,10 @@ class Puppeteer:
         if callable(command):
             command = command(self.person.age)
         command, self.robot = self.link.advise(command), self.link.sense()
+        slope = self.floor.see(self.state_machine, self.robot)
+        self.state_machine.slope = self.retargeter.planner.slope = slope
         with times("retarget"):
-            watch = not self._go_on_from_here()
-            mapped = self.retargeter.step(self.person.now, CONTROL_DT, watch=watch)
+            mapped = self.retargeter.step(self.person.now, watch=not self._go_on_from_here())
         self._placed |= shown is not None
         if not self._placed:
             self._place_at_first_vote(mapped, command)
@@ -168,9 +170,7 @@ class Puppeteer:
         self.robot: RobotState = self.stage.reset(self.state_machine.reference)
         self.motors.reset(self.state_machine.reference.joint_pos)
         self.controller.reset(self._controller_input())
-        self.fallen = False
-
-    # What a user changes while driving ----------------------------------------------------------
+        self.floor, self.fallen = FloorSlope(), False
 
     def lock_state(self, state: str) -> None:
         """Stay in `state`; "auto" lets the selector decide. StudioError for anything else."""

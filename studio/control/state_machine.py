@@ -51,10 +51,11 @@ class Decision:
 
 
 class StateMachine:
-    """One thread only. joint_speed: rad/s that a standing or sitting reference may reach."""
+    """One thread only. joint_speed: rad/s that a standing or sitting reference may reach.
+    slope (2,): m that the floor rises a metre, in the reference's world."""
 
     def __init__(self) -> None:
-        self.joint_speed = JOINT_SPEED["stand"]
+        self.joint_speed, self.slope = JOINT_SPEED["stand"], transition.LEVEL
         self.reset("stand")
 
     def reset(self, state: StateName, base_xy: Array | None = None, yaw: float = 0.0) -> None:
@@ -169,8 +170,8 @@ class StateMachine:
                 self._held = self._last
             return
         moving, self._following = self._following or self._followed, False
-        halt, patient = self._strides.halt, directive is Directive.KEEP
-        self._stopping = halt(self._last, self.reference, patient) if moving else None
+        patient, last = directive is Directive.KEEP, self._last
+        self._stopping = self._strides.halt(last, self.reference, patient) if moving else None
         if self._stopping is not None:
             return
         if self.state == "walk" and moving and in_the_air(self._last).any():
@@ -183,11 +184,10 @@ class StateMachine:
             self._rested = True
 
     def _begin(self, goal: StateName, source: StateName) -> None:
-        self._path = (
-            transition.settle(self._last, goal)
-            if goal == source
-            else transition.plan(self._last, source, goal)
-        )
+        if goal == source:
+            self._path = transition.settle(self._last, goal, self.slope)
+        else:
+            self._path = transition.plan(self._last, source, goal, self.slope)
         self._changes_state = goal != self.state
         self._path_t = 0.0
         self._stopping = None

@@ -6,7 +6,7 @@ lifts the trunk and with it the front feet; the centre of mass is above the supp
 so that the way also holds slowly, and backwards. The person is ignored meanwhile.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -25,6 +25,7 @@ from studio.control.interpolation import (
 from studio.geometry import scalars
 from studio.geometry.time_scaling import minimum_jerk
 from studio.reference.intent import StateName
+from studio.reference.sitting import lean_uphill
 from studio.reference.stances import NEUTRAL, NEUTRAL_FEET, fit_plane, rear_yaw
 from studio.robot import a1, kinematics
 from studio.robot.pose import RobotPose
@@ -43,6 +44,7 @@ LEAN_THIGH = -0.2
 is over the calves before the front feet lift (at 0 the robot tips over its rear feet)."""
 FOOTHOLD_TOLERANCE = 0.015
 """m; feet nearer than this to their neutral place stay where they are."""
+LEVEL = np.zeros(2)
 DIAGONALS = ((1, 2), (0, 3))
 """FL with RR, FR with RL."""
 _FOLDED = np.tile([0.0, LEAN_THIGH - LEAN_PITCH, -0.5 * np.pi - LEAN_THIGH], 4)
@@ -95,8 +97,10 @@ class Path:
         return self.segments[-1].at(1.0)
 
 
-def plan(start: RobotPose, source: StateName, goal: StateName) -> Path:
+def plan(start: RobotPose, source: StateName, goal: StateName, slope: Array = LEVEL) -> Path:
     """The way from `start`, a pose of state `source`, to the neutral pose of `goal`.
+
+    slope (2,) m that the floor rises a metre, world: who sits down leans uphill.
 
     Walking and sitting are joined through standing: ask for "stand" first.
     """
@@ -105,13 +109,13 @@ def plan(start: RobotPose, source: StateName, goal: StateName) -> Path:
     if goal == "sit":
         stand = over_feet(feet, "stand")
         there = feet_w(stand)
-        lean, sit = _sit_keys(there)
+        lean, sit = _sit_keys(there, slope)
         apart = np.linalg.norm(feet - there, axis=1).max() > FOOTHOLD_TOLERANCE
         keys = _onto_feet(start, feet, stand, there) if apart else []
         keys += [(lean, _all("plant"), 0.4), (sit, "rise", 0.5)]
     elif source == "sit":
         there = _standing_feet_from_sit(feet)
-        lean, _ = _sit_keys(there)
+        lean, _ = _sit_keys(there, slope)
         over = over_feet(there, "stand")
         stand = solve(over.base_pos, over.base_quat, there)
         keys = [(lean, "sink", 0.5), (stand, _all("plant"), 0.4)]
@@ -121,11 +125,11 @@ def plan(start: RobotPose, source: StateName, goal: StateName) -> Path:
     return _path(goal, start, feet, keys, MIN_SECONDS)
 
 
-def settle(start: RobotPose, state: StateName) -> Path:
-    """The way from any pose of `state` to its neutral pose, where the feet are."""
+def settle(start: RobotPose, state: StateName, slope: Array = LEVEL) -> Path:
+    """The way from a pose of `state` to its neutral pose over the same feet; slope as in `plan`."""
     feet = feet_w(start)
     if state == "sit":
-        sat = _sat_on(feet, rear_yaw(feet))
+        sat = _sat_on(feet, rear_yaw(feet), slope)
         keys: list[Key] = [(sat, ("swing", "swing", "plant", "plant"), 0.4)]
     else:
         neutral = over_feet(feet, state)
@@ -195,7 +199,7 @@ def _onto_feet(start: RobotPose, now: Array, goal: RobotPose, there: Array) -> l
     return keys
 
 
-def _sit_keys(feet: Array) -> tuple[RobotPose, RobotPose]:
+def _sit_keys(feet: Array, slope: Array) -> tuple[RobotPose, RobotPose]:
     """(lean, sit) for standing feet (4, 3): calves on the floor and front feet about to lift; sat.
 
     The rear feet stay where they stand; both poses face the way the feet do.
@@ -204,13 +208,17 @@ def _sit_keys(feet: Array) -> tuple[RobotPose, RobotPose]:
     turn = scalars.yaw(yaw)
     quat = np.array(scalars.mul(turn, _LEAN.tolist()))
     base_pos = (feet[2:] - _FOLDED_FEET @ scalars.matrix(turn).T).mean(axis=0)
-    return solve(base_pos, quat, feet), _sat_on(feet, yaw)
+    return solve(base_pos, quat, feet), _sat_on(feet, yaw, slope)
 
 
-def _sat_on(feet: Array, yaw: float) -> RobotPose:
+def _sat_on(feet: Array, yaw: float, slope: Array) -> RobotPose:
     """Neutral sitting, heading yaw, with the middle of the rear feet where that of (4, 3) is."""
     sat = geometry.quat_rotate(turn_z(yaw), NEUTRAL_FEET["sit"][2:].mean(axis=0))
-    return placed(NEUTRAL["sit"], (feet[2:].mean(axis=0) - sat)[:2], yaw)
+    level = placed(NEUTRAL["sit"], (feet[2:].mean(axis=0) - sat)[:2], yaw)
+    pose = replace(level, joint_pos=lean_uphill(level.joint_pos, level.base_quat, slope))
+    # Its hips move, its rear feet stay.
+    stays = (feet_w(level) - feet_w(pose))[2:].mean(axis=0)
+    return replace(pose, base_pos=level.base_pos + stays)
 
 
 def _standing_feet_from_sit(feet: Array) -> Array:

@@ -33,6 +33,8 @@ _HIP_W = (
     + geometry.quat_rotate(stances.NEUTRAL["sit"].base_quat, _REAR_HIP)
 )  # fmt: skip
 _SETTLE = 0.003  # m: how softly the lower of two knees is chosen
+UPHILL = 0.06
+"""m, the most by which the hips move uphill."""
 
 
 def sit_poses(tilt: Array, reach: Array, reach_side: Array) -> tuple[Array, Array, Array]:
@@ -52,6 +54,36 @@ def sit_poses(tilt: Array, reach: Array, reach_side: Array) -> tuple[Array, Arra
         hip[:, 2] -= _lower_knee(hip - up, quat, joints) - KNEE_HEIGHT
     base = hip - up
     return base, quat, _rear_legs(base, quat, front)
+
+
+def lean_uphill(joint_pos: Array, base_quat: Array, slope: Array) -> Array:
+    """Sitting joints (12,) rad whose hips are uphill by what a floor that rises ahead leans back:
+    on level floor the knees, which it tips over, are only 6 cm behind the centre of mass.
+
+    base_quat (4,) wxyz, slope (2,) m that the floor rises a metre, world. Feet and knees stay on
+    the floor, the trunk and the front legs keep their pose. A floor that falls ahead leaves margin
+    enough; to a side, moved hips felled more than they held.
+    """
+    x, y, _ = geometry.quat_rotate(base_quat, np.array([0.0, 0.0, -1.0])).tolist()
+    ahead = np.array([x, y]) / max(float(np.hypot(x, y)), 1e-9)  # the belly's way
+    feet = geometry.quat_rotate(base_quat, kinematics.foot_pos_b(joint_pos))
+    com = geometry.quat_rotate(base_quat, kinematics.center_of_mass_b(joint_pos))
+    by = min((com[2] - feet[2:, 2].mean()) * float(ahead @ slope), UPHILL)
+    if by <= 0.0:
+        return joint_pos
+    knee = _knee_over_feet(joint_pos, base_quat)
+    feet[:, :2] -= by * ahead
+    for _ in range(3):
+        out = kinematics.leg_ik(geometry.quat_rotate_inverse(base_quat, feet), near=joint_pos)[0]
+        feet[:, 2] += _knee_over_feet(out, base_quat) - knee
+    out[:6] = joint_pos[:6]
+    return out
+
+
+def _knee_over_feet(joint_pos: Array, quat: Array) -> float:
+    feet = geometry.quat_rotate(quat, kinematics.foot_pos_b(joint_pos))
+    knee = _lower_knee(np.zeros((1, 3)), quat[None], joint_pos[None])[0]
+    return float(knee - feet[2:, 2].mean())
 
 
 def arm_joints(reach: Array, side: Array) -> Array:

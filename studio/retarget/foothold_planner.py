@@ -11,6 +11,7 @@ from studio.reference.consistency import limit_speed, limit_turn
 from studio.reference.contact_lock import ContactConfig, ContactLock
 from studio.reference.intent import StateName
 from studio.reference.motion import with_velocity
+from studio.reference.sitting import lean_uphill
 from studio.reference.stances import NEUTRAL, quickness
 from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES, Mapped
@@ -32,6 +33,7 @@ class FootholdPlanner:
     def __init__(self, settings: RetargetSettings | None = None) -> None:
         self.settings = settings or RetargetSettings()
         self.stride_gain = 1.0  # times the strides that a network says
+        self.slope: Array = np.zeros(2)  # m that the floor rises a metre, in the reference's world
         self._lock, self._support = ContactLock(), SupportMargin()
         self.start("stand")
 
@@ -87,7 +89,9 @@ class FootholdPlanner:
         quick = quickness(self.state, self.settings.joint_speed)
         quat, turned = limit_turn(wanted, last.base_quat, quick * spec.trunk_speed, dt)
         if self.state == "stand":
-            joint_pos = self._support.step(joint_pos, quat, contact, dt)
+            joint_pos = self._support.step(joint_pos, quat, contact, dt, self.slope)
+        elif self.state == "sit":
+            joint_pos = lean_uphill(joint_pos, quat, self.slope)
         asked = lock.step(joint_pos, quat, contact, dt, drift, quick * spec.root_speed)
         joint_pos, clipped = limit_speed(asked, last.joint_pos, quick * spec.speed_limit, dt)
         if clipped:

@@ -79,8 +79,8 @@ class Retargeter:
         self._through_space = TravelWalk(self.path)
         self.selector = Selector(experts.prototypes, selector)
         self._filter = TripletFilter(SELECTOR_CUTOFF_HZ, a1.CONTROL_DT)
-        self._planner = FootholdPlanner(settings)
-        self._planner.stride_gain = experts.stride_gain
+        self.planner = FootholdPlanner(settings)
+        self.planner.stride_gain = experts.stride_gain
         self.reset()
 
     @staticmethod
@@ -105,17 +105,17 @@ class Retargeter:
         self._features: Features | None = None
         self._choice: Choice | None = None
         self._first, self._easing = True, Easing()
-        self._planner.start("stand")
+        self.planner.start("stand")
         self._begin()
 
     @property
     def settings(self) -> RetargetSettings:
         """Tilt gain, dead zone and speed cap; may be replaced at any time."""
-        return self._planner.settings
+        return self.planner.settings
 
     @settings.setter
     def settings(self, settings: RetargetSettings) -> None:
-        self._planner.settings = settings
+        self.planner.settings = settings
 
     def set_expert(self, name: str | None) -> None:
         """Lock the state (None: automatic). StudioError for an unknown name."""
@@ -139,7 +139,7 @@ class Retargeter:
         """Other experts from the next frame on; person, place and lock stay."""
         lock, config = self.selector.lock, self.selector.config
         self.experts = experts
-        self._planner.stride_gain = experts.stride_gain
+        self.planner.stride_gain = experts.stride_gain
         self.selector = Selector(experts.prototypes, config)
         self.selector.set_lock(lock)
         self._begin()
@@ -167,19 +167,19 @@ class Retargeter:
         # Whoever locks a state wants it driven, however far the motion is from the training data.
         unknown = choice.expert == "unknown" and self.selector.lock is None and not self.travels
         self._easing.step(unknown, pose is not None, dt)
-        reference, clipped = self._planner.last, False
+        reference, clipped = self.planner.last, False
         contact_prob = reference.foot_contact
-        expert = self._expert_of(self._planner.state)
+        expert = self._expert_of(self.planner.state)
         with times("mapper"):
             said = mapped = None if watch and not expert.remembers else self._expert(triplet)
         with times("consistency"):
             if mapped is not None and not watch:
                 contact_prob = mapped.contact_prob
-                mapped = self._easing.toward_neutral(mapped, self._planner.state)
-                reference, clipped = self._planner.step(mapped, dt)
+                mapped = self._easing.toward_neutral(mapped, self.planner.state)
+                reference, clipped = self.planner.step(mapped, dt)
         return Retargeted(
             expert=choice.expert,
-            active=self._planner.state,
+            active=self.planner.state,
             votes=choice.votes,
             distance=choice.distance,
             reference=reference,
@@ -192,15 +192,15 @@ class Retargeter:
 
     def _enter(self, state: StateName) -> None:
         """Make `state` the active one: the first time in its neutral pose, later by moving."""
-        if state == self._planner.state and not self._first:
+        if state == self.planner.state and not self._first:
             return
-        (self._planner.start if self._first else self._planner.enter)(state)
+        (self.planner.start if self._first else self.planner.enter)(state)
         self._first = False
         self._begin()
 
     def _begin(self) -> None:
         """The active state's expert starts on a new stretch of motion."""
-        self._expert = self._expert_of(self._planner.state).begin()
+        self._expert = self._expert_of(self.planner.state).begin()
 
     def _expert_of(self, state: StateName) -> Expert:
         if state == "walk" and self.travel == "auto" and self.path.found:
@@ -218,7 +218,7 @@ class Retargeter:
         self.path.mirror = extractor.mirror
         self.path.see(pose, extractor.calibrator.leg_length)
         beside = self.path.found and not known and self.travel == "auto"
-        if beside and self._planner.state == "walk":
+        if beside and self.planner.state == "walk":
             self._easing.restart()
             self._begin()
 
@@ -233,17 +233,17 @@ class Retargeter:
         yaw: rad, the way its feet face there.
         """
         self._first = False
-        self._planner.continue_from(pose, yaw)
+        self.planner.continue_from(pose, yaw)
 
     def _idle(self, times: SectionTimes) -> Retargeted:
         share = {name: 0.0 for name in EXPERTS}
         return Retargeted(
             expert="unknown",
-            active=self._planner.state,
+            active=self.planner.state,
             votes=share,
             distance=float("inf"),
-            reference=self._planner.last,
-            contact_prob=self._planner.last.foot_contact,
+            reference=self.planner.last,
+            contact_prob=self.planner.last.foot_contact,
             clipped=False,
             features=None,
             timings_ms=times,
