@@ -33,6 +33,8 @@ _HIP_W = (
     + geometry.quat_rotate(stances.NEUTRAL["sit"].base_quat, _REAR_HIP)
 )  # fmt: skip
 _SETTLE = 0.003  # m: how softly the lower of two knees is chosen
+OVER_KNEES = 0.056
+"""m that the centre of mass is ahead of the knees on level floor."""
 UPHILL = 0.06
 """m, the most by which the hips move uphill."""
 
@@ -66,9 +68,14 @@ def lean_uphill(joint_pos: Array, base_quat: Array, slope: Array) -> Array:
     """
     x, y, _ = geometry.quat_rotate(base_quat, np.array([0.0, 0.0, -1.0])).tolist()
     ahead = np.array([x, y]) / max(float(np.hypot(x, y)), 1e-9)  # the belly's way
+    rise = float(ahead @ slope)
+    if rise <= 0.0:
+        return joint_pos
     feet = geometry.quat_rotate(base_quat, kinematics.foot_pos_b(joint_pos))
     com = geometry.quat_rotate(base_quat, kinematics.center_of_mass_b(joint_pos))
-    by = min((com[2] - feet[2:, 2].mean()) * float(ahead @ slope), UPHILL)
+    knees = _knees(np.zeros((1, 3)), base_quat[None], joint_pos[None])[0]
+    over = float((com - knees.mean(axis=0))[:2] @ ahead) - (com[2] - feet[2:, 2].mean()) * rise
+    by = min(OVER_KNEES - over, UPHILL)
     if by <= 0.0:
         return joint_pos
     knee = _knee_over_feet(joint_pos, base_quat)
@@ -106,15 +113,20 @@ def _rear_legs(base: Array, quat: Array, front: Array) -> Array:
     return joints
 
 
-def _lower_knee(base: Array, quat: Array, joints: Array) -> Array:
-    """Height (T,) m of the lower rear knee, smooth where they change places."""
+def _knees(base: Array, quat: Array, joints: Array) -> Array:
+    """(T, 2, 3) m, the rear knees."""
     a, b = joints[:, [6, 9]], joints[:, [7, 10]]
     x, z = -a1.THIGH_LENGTH * np.sin(b), -a1.THIGH_LENGTH * np.cos(b)
     y = a1.SIDE[2:] * a1.THIGH_OFFSET
     knee_b = a1.HIP_OFFSET[2:] + np.stack(
         [x, y * np.cos(a) - z * np.sin(a), y * np.sin(a) + z * np.cos(a)], axis=-1
     )
-    h = kinematics.to_world(base, quat, knee_b)[..., 2]
+    return kinematics.to_world(base, quat, knee_b)
+
+
+def _lower_knee(base: Array, quat: Array, joints: Array) -> Array:
+    """Height (T,) m of the lower rear knee, smooth where they change places."""
+    h = _knees(base, quat, joints)[..., 2]
     lowest = np.min(h, axis=-1)
     return lowest - _SETTLE * np.log(
         np.sum(np.exp(-(h - lowest[:, None]) / _SETTLE), axis=-1) / 2.0

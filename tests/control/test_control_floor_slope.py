@@ -64,7 +64,7 @@ def test_hips_move_uphill_while_feet_and_knees_stay_on_the_floor(slope):
 
     before, after = com_over_feet(sit.joint_pos), com_over_feet(out)
     moved = after - before
-    wanted = min(before[2] * slope[0], UPHILL)
+    wanted = min(before[2] * slope[0], UPHILL)  # on level floor it is where it should be
     # The legs, which stay behind, weigh something, too.
     assert moved[:2] == pytest.approx([wanted, 0.0], rel=0.25, abs=1e-3)
     np.testing.assert_array_equal(out[:6], sit.joint_pos[:6])
@@ -75,9 +75,9 @@ def test_the_way_down_ends_uphill_on_the_same_feet():
     start = NEUTRAL["stand"]
     level = transition.plan(start, "stand", "sit")
     uphill = transition.plan(start, "stand", "sit", np.array([0.12, 0.0]))
-    ends = [path.at(path.seconds) for path in (level, uphill)]
-    np.testing.assert_allclose(*(feet_w(end)[2:] for end in ends), atol=1e-6)
-    assert 0.03 < ends[1].base_pos[0] - ends[0].base_pos[0] < 0.06
+    there, sat = (path.at(path.seconds) for path in (level, uphill))
+    np.testing.assert_allclose(feet_w(sat)[2:], feet_w(there)[2:], atol=1e-6)
+    assert 0.03 < sat.base_pos[0] - there.base_pos[0] < 0.06
 
 
 @pytest.mark.parametrize("told", [True, False])
