@@ -71,6 +71,11 @@ class ServeConfig(RobotOptions):
     """What turns the reference into an action (default: policy once trained)."""
     scene: SceneName = "empty"
     """What stands around the robot, and what there is to do."""
+    travel: Travel = "auto"
+    """Walk through space beside a person who does (auto), or read marches alone (off)."""
+    steps: Steps = "mapped"
+    """Walk in the network's own steps (mapped), or in even ones at the speed and turn that it says
+    (generated), which do not fall on slopes."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,7 +21,7 @@ from studio.human.calibration import Calibration
 from studio.human.pose import HumanPose
 from studio.link.link import Order, RobotLink
 from studio.mocap.human_tracker import HumanTracker
-from studio.options import Travel
+from studio.options import Steps, Travel
 from studio.reference.intent import STATES, StateName
 from studio.retarget.retargeter import Retargeted, Retargeter
 from studio.retarget.section_times import SectionTimes
@@ -73,8 +73,7 @@ class Puppeteer:
         """
         times = SectionTimes()
         fresh = self.person.see(human)
-        if callable(command):
-            command = command(self.person.age)
+        command = command(self.person.age) if callable(command) else command
         command, self.robot = self.link.advise(command), self.link.sense()
         slope = self.floor.see(self.state_machine, self.robot)
         self.state_machine.slope = self.retargeter.planner.slope = slope
@@ -194,11 +193,12 @@ class Puppeteer:
         self.config = replace(self.config, mirror=mirror)
         self.retargeter.extractor.mirror = mirror
 
-    def set_travel(self, travel: Travel) -> None:
-        """Follow a person through space, or read marches alone, from the next period on."""
-        self.config = replace(self.config, travel=travel)
-        self.retargeter.travel = travel
-        self.rejoin()
+    def set_walk(self, *, travel: Travel | None = None, steps: Steps | None = None) -> None:
+        """Beside a person or on the spot, and in whose steps; None: as before."""
+        c = self.config
+        self.config = c = replace(c, travel=travel or c.travel, steps=steps or c.steps)
+        self.retargeter.travel, self.retargeter.steps = c.travel, c.steps
+        self.set_experts(self.retargeter.experts)
 
     def set_experts(self, experts: Experts) -> None:
         """Map the person by other experts from the next period on; what was seen is kept."""

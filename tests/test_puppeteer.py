@@ -186,3 +186,20 @@ def test_every_section_of_a_period_is_timed():
 def test_a_shared_retargeter_can_be_given():
     retargeter = Retargeter.load("march")
     assert Puppeteer(PuppeteerConfig(), retargeter=retargeter).retargeter is retargeter
+
+
+def test_whose_steps_it_walks_in_can_change_in_mid_walk():
+    """The generator's are even: the walk goes on, at once in those."""
+    puppeteer, poses = make("walk", seed=3)
+    run(puppeteer, poses, 8.0)
+
+    def unevenness(ticks):
+        speeds = [np.hypot(*tick.reference.base_lin_vel_w[:2]) for tick in ticks]
+        return np.std(speeds) / np.mean(speeds)
+
+    mapped = run(puppeteer, poses, 4.0)
+    puppeteer.set_walk(steps="generated")
+    even = run(puppeteer, poses, 6.0)[60:]
+    assert puppeteer.config.travel == "auto"
+    assert {tick.state for tick in mapped + even} == {"walk"}
+    assert unevenness(even) < 0.5 * unevenness(mapped)

@@ -32,6 +32,7 @@ from studio.live.state_parts import (
     Style,
 )
 from studio.live.tick_message import Mode, Pose, TickMessage
+from studio.options import Steps
 from studio.reference.intent import STATES
 from studio.scenes.stage import Progress
 from studio.statistics import percentiles
@@ -192,6 +193,7 @@ KEYS: dict[str, Key] = {
     "gains": Key(dict[str, float], lambda seen: asdict(seen.runtime.puppeteer.retargeter.settings)),
     "mirror": Key(bool, lambda seen: seen.runtime.puppeteer.config.mirror),
     "travel": Key(Following, Seen.travel),
+    "steps": Key(Steps, lambda seen: seen.runtime.puppeteer.config.steps),
     "calibration": Key(Calibration, Seen.calibration),
     "recording": Key(Recording | None, Seen.recording),
     "recording_error": Key(str | None, lambda seen: seen.runtime.recording_error),

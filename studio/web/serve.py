@@ -82,6 +82,8 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
                 controller=config.controller,
                 seed=config.seed,
                 scene=config.scene,
+                travel=config.travel,
+                steps=config.steps,
             ),
         )
         scratch = stack.enter_context(scratch_folder(SCRATCH))

@@ -90,6 +90,14 @@ export class Controls {
       await api.post("/api/style", { style });
       toast(`Walking means ${STYLES[style]} now`, "good");
     });
+    each("#steps", ({ dataset }) => {
+      const steps = /** @type {State["steps"]} */ (dataset.steps);
+      return api.post("/api/steps", { steps });
+    });
+    each("#travel", ({ dataset }) => {
+      const travel = /** @type {State["travel"]["mode"]} */ (dataset.travel);
+      return api.post("/api/travel", { travel });
+    });
     const select = $select("#controller");
     select.addEventListener("change", () => {
       const controller = /** @type {State["controller"]} */ (select.value);
@@ -124,10 +132,12 @@ export class Controls {
   }
 
   /** @param {State} state */
-  draw({ mode, state_lock, style, gains, controller, controllers }) {
+  draw({ mode, state_lock, style, steps, travel, gains, controller, controllers }) {
     press($("#mode"), "mode", mode);
     press($("#lock"), "state", state_lock);
     press($("#style"), "style", style);
+    press($("#steps"), "steps", steps);
+    press($("#travel"), "travel", travel.mode);
     for (const { name, show } of SLIDERS) {
       const input = $input(`#${name}`);
       if (document.activeElement === input || gains[name] === undefined) continue;

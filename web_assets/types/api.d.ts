@@ -212,6 +212,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/steps": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Steps
+         * @description Walk in the steps that the mapper says ("mapped"), or evenly at its speed ("generated").
+         */
+        post: operations["steps_api_steps_post"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/calibrate": {
         parameters: {
             query?: never;
@@ -2071,6 +2091,11 @@ export interface components {
             /** Mirror */
             mirror: boolean;
             travel: components["schemas"]["Following"];
+            /**
+             * Steps
+             * @enum {string}
+             */
+            steps: "generated" | "mapped";
             calibration: components["schemas"]["Calibration"];
             recording: components["schemas"]["Recording"] | null;
             /** Recording Error */
@@ -2715,6 +2740,17 @@ export interface components {
             state: "auto" | "stand" | "walk" | "sit";
         };
         /**
+         * SetSteps
+         * @description Walk in the steps that the mapper says ("mapped"), or evenly at its speed ("generated").
+         */
+        SetSteps: {
+            /**
+             * Steps
+             * @enum {string}
+             */
+            steps: "generated" | "mapped";
+        };
+        /**
          * SetStyle
          * @description Which human motion means walking, from the next period on: the shipped experts of that style
          *     take over, and the built-in operator walks in it too.
@@ -2904,6 +2940,11 @@ export interface components {
             /** Mirror */
             mirror: boolean;
             travel: components["schemas"]["Following"];
+            /**
+             * Steps
+             * @enum {string}
+             */
+            steps: "generated" | "mapped";
             calibration: components["schemas"]["Calibration"];
             recording: components["schemas"]["Recording"] | null;
             /** Recording Error */
@@ -3398,6 +3439,11 @@ export interface components {
             /** Mirror */
             mirror: boolean;
             travel: components["schemas"]["Following"];
+            /**
+             * Steps
+             * @enum {string}
+             */
+            steps: "generated" | "mapped";
             calibration: components["schemas"]["Calibration"];
             recording: components["schemas"]["Recording"] | null;
             /** Recording Error */
@@ -3821,6 +3867,39 @@ export interface operations {
         requestBody: {
             content: {
                 "application/json": components["schemas"]["SetTravel"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["State"];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    steps_api_steps_post: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["SetSteps"];
             };
         };
         responses: {

@@ -13,6 +13,7 @@ from studio.live.commands.drive import (
     SetMode,
     SetSource,
     SetStateLock,
+    SetSteps,
     SetStyle,
     SetTravel,
 )
@@ -51,6 +52,7 @@ __all__ = [
     "SetScene",
     "SetSource",
     "SetStateLock",
+    "SetSteps",
     "SetStyle",
     "SetTravel",
     "ShowTake",

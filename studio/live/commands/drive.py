@@ -13,7 +13,7 @@ from studio.live.mappers import SHIPPED, OpenedMapper, open_mapper
 from studio.live.replay import Replay, open_replay
 from studio.live.robot_watch import begins_live
 from studio.live.source_reader import OpenedSource, open_follower, open_for
-from studio.options import STYLES, Travel
+from studio.options import STYLES, Steps, Travel
 from studio.reference.intent import STATES
 from studio.retarget.settings import LIMITS, checked_gain
 from studio.retarget.store import load_experts
@@ -87,9 +87,8 @@ class SetSource(Command):
         """Watch it; live and armed where it starts so, else idle until armed. StudioError while
         collecting: nobody leaves that unawares."""
         if runtime.mode == "collect":
-            raise StudioError(
-                "collecting goes on: choose mode live first, then another source, then collect"
-            )
+            then = "choose mode live first, then another source, then collect"
+            raise StudioError(f"collecting goes on: {then}")
         runtime.replaced.forget()
         runtime.reader.close()
         runtime.watch(prepared, now)
@@ -140,7 +139,7 @@ class SetMirror(Command):
     mirror: StrictBool
 
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
-        """Mirror the person from the next pose on."""
+        """From the next pose on."""
         runtime.puppeteer.set_mirror(self.mirror)
         return {}
 
@@ -153,7 +152,19 @@ class SetTravel(Command):
 
     def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
         """From the next period on."""
-        runtime.puppeteer.set_travel(self.travel)
+        runtime.puppeteer.set_walk(travel=self.travel)
+        return {}
+
+
+class SetSteps(Command):
+    """Walk in the steps that the mapper says ("mapped"), or evenly at its speed ("generated")."""
+
+    path: ClassVar[str] = "steps"
+    steps: Steps
+
+    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
+        """From the next period on."""
+        runtime.puppeteer.set_walk(steps=self.steps)
         return {}
 
 
