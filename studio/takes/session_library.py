@@ -65,14 +65,19 @@ class SessionLibrary:
         return [verified(self.root / n) for n in names]
 
     def edit(self, name: str, **changes: Any) -> TakeInfo:
-        """Set label, note, trim, lag, keep or score; refuses a trim outside the take."""
+        """Set label, note, trim, lag, keep or score; refuses a trim outside the take.
+
+        An end up to half a millisecond beyond the take's is its end: 200 ticks last 6.6667 s, which
+        whoever counts in milliseconds calls 6.667."""
         folder = self.folder(name)
         trim = changes.get("trim")
         if isinstance(trim, list | tuple) and len(trim) == 2:
             # What was stopped a moment ago may not say yet how long it is.
             seconds = (survey_take if is_recording(folder) else examine)(folder).seconds
-            if isinstance(trim[1], int | float) and trim[1] > seconds + 1e-6:
-                raise StudioError(f"a trim must end within the take's {seconds:.3f} s")
+            if isinstance(trim[1], int | float) and trim[1] > seconds:
+                if trim[1] > seconds + 0.5e-3:
+                    raise StudioError(f"a trim must end within the take's {seconds:.3f} s")
+                changes["trim"] = [trim[0], seconds]
         edit_log.edit(folder, **changes)
         return examine(folder)
 

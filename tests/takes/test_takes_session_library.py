@@ -241,3 +241,17 @@ def test_a_take_is_trimmed_before_it_says_how_long_it_is(tmp_path: Path):
     with pytest.raises(StudioError, match=r"within the take's 1\.000 s"):
         library.edit("new", trim=(0.1, 1.4))
     recorder.close()
+
+
+def test_whoever_counts_in_milliseconds_may_keep_a_take_to_its_end(tmp_path: Path):
+    """50 ticks last 1.66667 s; the page's handles say 1.667."""
+    recorder = Recorder(tmp_path)
+    recorder.start("", name="thirds")
+    for tick in make_ticks(50):
+        recorder.append(tick)
+    recorder.close()
+    library = SessionLibrary(tmp_path)
+    trimmed = library.edit("thirds", trim=[0.5, 1.667])
+    assert trimmed.trim == (0.5, trimmed.seconds)
+    with pytest.raises(StudioError, match="must end within"):
+        library.edit("thirds", trim=[0.5, 1.668])

@@ -136,8 +136,11 @@ export class Review {
   /** @param {Edits} changes */
   #edit(changes) {
     return attempt(async () => {
-      await this.studio.api.patch("/api/takes/{name}", changes, { name: this.#take?.name ?? "" });
-      await this.#reload();
+      try {
+        await this.studio.api.patch("/api/takes/{name}", changes, { name: this.#take?.name ?? "" });
+      } finally {
+        await this.#reload(); // what was refused is not shown as if it were so
+      }
     });
   }
 
