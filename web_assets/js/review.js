@@ -136,8 +136,9 @@ export class Review {
   /** @param {Edits} changes */
   #edit(changes) {
     return attempt(async () => {
+      const name = this.#take?.name ?? "";
       try {
-        await this.studio.api.patch("/api/takes/{name}", changes, { name: this.#take?.name ?? "" });
+        await this.studio.api.patch("/api/takes/{name}", changes, { name });
       } finally {
         await this.#reload(); // what was refused is not shown as if it were so
       }
