@@ -20,11 +20,13 @@ def brute_force(p1, q1, p2, q2) -> float:
 @settings(max_examples=60, deadline=None)
 @given(coordinates)
 @example([0.0, 0.0, 2.0**-24] + 9 * [0.0])
+@example([0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 2.0**-24])
 def test_segment_distance_is_the_smallest_of_all_pairs_of_points(values: list[float]):
     points = np.array(values).reshape(4, 3)
     found = float(segment_distance(*points))
     sampled = brute_force(*points)
-    assert found <= sampled + 1e-9  # never more than any sampled pair ...
+    # Never more than any sampled pair, but for a segment so short that it counts as a point ...
+    assert found <= sampled + 1e-6
     assert found >= sampled - 0.01  # ... nor less than the grid could miss
 
 
