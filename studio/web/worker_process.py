@@ -30,7 +30,7 @@ class WorkerProcess:
     async def run(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """`work`, a function of a module, run there; raises what it raises.
 
-        StudioError where the process was killed in the midst of it.
+        StudioError where the process was killed in the midst of it, or `close` came before it began.
         """
         if self._pool is None:
             self._pool = ProcessPoolExecutor(
@@ -39,8 +39,15 @@ class WorkerProcess:
                 initializer=_settle,
             )
         pool = self._pool
+        waits = pool.submit(work, *args, **kwargs)
         try:
-            return await asyncio.wrap_future(pool.submit(work, *args, **kwargs))
+            return await asyncio.wrap_future(waits)
+        except asyncio.CancelledError as error:
+            task = asyncio.current_task()
+            if self._pool is pool or (task is not None and task.cancelling()):
+                raise
+            # Not this task was cancelled but its work: the pool ended before it had begun.
+            raise StudioError("this work was ended before it began") from error
         except BrokenProcessPool as error:
             if self._pool is pool:
                 self._pool = None  # the next one begins another
