@@ -30,7 +30,7 @@ class WorkerProcess:
     async def run(self, work: Callable[P, T], *args: P.args, **kwargs: P.kwargs) -> T:
         """`work`, a function of a module, run there; raises what it raises.
 
-        StudioError where the process was killed in the midst of it, or `close` came before it began.
+        StudioError where the process was killed in the midst of it, or closed before it began.
         """
         if self._pool is None:
             self._pool = ProcessPoolExecutor(
