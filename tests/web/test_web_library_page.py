@@ -5,7 +5,7 @@ import zipfile
 import pytest
 from acted_takes import acted_take, record
 from axe import find_nothing
-from browsing import click, until
+from browsing import click, drawn, until
 from numpy.random import default_rng
 from served import Served
 
@@ -220,3 +220,23 @@ def test_axe_finds_nothing_in_the_library(library):
     until(library, "() => document.querySelectorAll('#library-list img[src]').length === 5")
     library.click(card(ACTED[0]))
     find_nothing(library)
+
+
+def test_a_picture_that_was_not_to_be_had_is_asked_for_again(library):
+    refused = []
+
+    def refuse_once(route):
+        names = route.request.post_data_json["names"]
+        if set(names) & set(refused):
+            route.continue_()
+            return
+        refused.extend(names)
+        route.fulfill(json={"pictures": {}, "refused": dict.fromkeys(names, "in the bin")})
+
+    library.reload()
+    library.route("**/api/takes/thumbnails", refuse_once)
+    drawn(library)
+    library.keyboard.press("u")
+    until(library, "() => document.querySelectorAll('#library-list img[src]').length === 5")
+    assert sorted(refused) == sorted((*ACTED, *EXAMPLES))
+    library.unroute("**/api/takes/thumbnails")

@@ -6,6 +6,7 @@ import { attempt } from "./dom.js";
 /** @import { Api } from "./net.js" */
 
 const AT_ONCE = 12; // pictures
+const AGAIN_MS = 5000; // until a picture that was not to be had is asked for again
 const SCORED = 4; // takes: each is looked over whole
 
 /** @typedef {Pick<Take, "name" | "started" | "undoable" | "redoable">} Pictured */
@@ -17,9 +18,12 @@ const version = ({ name, started, undoable, redoable }) =>
 /** Which recording: another may have its name later. @param {Take} take */
 const recording = ({ name, started }) => `${name} ${started}`;
 
-/** A picture a take, drawn by the studio from its tape; remembered until the take is edited. */
+/**
+ * A picture a take, drawn by the studio from its tape; remembered until the take is edited. That
+ * there was none is not: a take may have been in the bin just then, or the studio too busy.
+ */
 export class Pictures {
-  /** Data URLs by a take's version; "" where there is none. @type {Map<string, string>} */
+  /** Data URLs by a take's version. @type {Map<string, string>} */
   #known = new Map();
   /** Images that wait for theirs. @type {Map<HTMLImageElement, Pictured>} */
   #wanted = new Map();
@@ -47,7 +51,7 @@ export class Pictures {
   show(image, take) {
     const known = this.#known.get(version(take));
     if (known) image.src = known;
-    else if (known === undefined) {
+    else {
       this.#takes.set(image, take);
       this.#seen.observe(image);
     }
@@ -66,9 +70,12 @@ export class Pictures {
       const found = await this.api.post("/api/takes/thumbnails", { names }).catch(() => null);
       for (const [image, take] of some) {
         const svg = found?.pictures[take.name];
-        const url = svg ? `data:image/svg+xml,${encodeURIComponent(svg)}` : "";
-        this.#known.set(version(take), url);
-        if (url) image.src = url;
+        if (!svg) {
+          setTimeout(() => image.isConnected && this.#seen.observe(image), AGAIN_MS);
+          continue;
+        }
+        image.src = `data:image/svg+xml,${encodeURIComponent(svg)}`;
+        this.#known.set(version(take), image.src);
       }
     }
     this.#asking = false;
