@@ -30,7 +30,7 @@ class Safety:
     but for `beat`, which any thread may."""
 
     def __init__(self, *, armed: bool = False) -> None:
-        self.stops = 0  # so far: presses, and falls and faults that stopped what was not stopped
+        self.stops = 0  # so far: presses, faults, and falls of what was not stopped
         self.stopped = False
         self.needs_reset = False
         self.armed = armed
@@ -51,7 +51,7 @@ class Safety:
     def stop(self, why: str, reason: Reason = "stopped") -> None:
         """Damping, latched until reset and arm."""
         # A damped robot that tips over is no news to whoever has sent a reset.
-        self.stops += reason not in ("fallen", "fault") or not self.needs_reset
+        self.stops += reason != "fallen" or not self.needs_reset
         self.stopped, self.needs_reset, self.armed = True, True, False
         self.why, self.reason = why, reason
         self._rises_at = None

@@ -108,7 +108,7 @@ def test_a_release_sent_before_a_fall_does_not_lift_the_fallen_robot(loop):
     assert loop.state_dict()["needs_reset"]
 
 
-def test_a_stopped_robot_that_tips_over_is_no_second_stop_but_a_press_is(loop):
+def test_a_stopped_robot_that_tips_over_is_no_second_stop_but_a_press_or_a_fault_is(loop):
     safety = loop.runtime.safety
     safety.stop("emergency stop by a test")
     known = safety.stops
@@ -116,6 +116,8 @@ def test_a_stopped_robot_that_tips_over_is_no_second_stop_but_a_press_is(loop):
     assert safety.stops == known
     safety.stop("emergency stop by a test")
     assert safety.stops == known + 1
+    safety.stop("a fault: of a test", "fault")
+    assert safety.stops == known + 2
     safety.reset()
     safety.fall(loop.clock.now(), demo=False)  # what a reset had lifted is down again
-    assert safety.stops == known + 2
+    assert safety.stops == known + 3
