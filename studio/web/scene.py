@@ -101,6 +101,10 @@ class StudioScene:
             intensity=1.7,
             cast_shadow=True,
         )
+        # In the place of the environment where a processor draws: the page turns it up there.
+        scene.add_light_hemisphere(
+            "/lights/fill", sky_color=(235, 240, 255), ground_color=(120, 116, 110), intensity=0.0
+        )
         self._floor = scene.add_grid(
             "/floor",
             width=16.0,

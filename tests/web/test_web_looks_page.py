@@ -172,3 +172,6 @@ def test_it_says_whether_the_full_or_the_light_view_is_on(page):
     says = "Light view" if software else "Full view"
     until(page, f"() => document.querySelector('#drawn-by').textContent.startsWith('{says}')")
     assert page.evaluate(shadows) is not software
+    samples = f"() => {INSIDE}.canvas.getContext('webgl2').getContextAttributes().antialias"
+    assert page.evaluate(samples) is not software
+    assert page.evaluate(f"() => Boolean({INSIDE}.scene.environment)") is not software

@@ -4,21 +4,24 @@
 
 /** ms that a frame is rested after at most. */
 export const REST = 400;
+/** Of the light from all around, which is there for this: as bright as the room's reflections. */
+const FILL = 2.6;
 
 /**
- * Without a graphics card every pixel is work for the processor: draw half as fine, without
- * shadows, and rest after each frame for as long as it took. Whether that is so.
+ * Without a graphics card (frame.js) every pixel is work for the processor: draw half as fine,
+ * without shadows, reflections and an empty background, and rest after each frame for as long as
+ * it took. Whether that is so.
  *
  * @param {Viser} viser @param {ViewWindow} window its own
  */
-export function spare({ canvas, scene }, window) {
-  const context = canvas.getContext("webgl2");
-  const named = context?.getExtension("WEBGL_debug_renderer_info");
-  const renderer = named ? context?.getParameter(named.UNMASKED_RENDERER_WEBGL) : "";
-  if (!/swiftshader|llvmpipe|software|basic render/i.test(renderer)) return false;
+export function spare({ scene, backgroundMaterial }, window) {
+  if (!window.drawnInSoftware) return false;
   window.__viserTestpoints?.devSettings.set({ fixedDpr: 0.5 * devicePixelRatio });
+  Object.defineProperty(scene, "environment", { get: () => null, set: () => {} });
   scene.traverse((thing) => {
     if (thing.isLight) thing.castShadow = false;
+    if (thing.isHemisphereLight) thing.intensity = FILL;
+    if (backgroundMaterial && thing.material === backgroundMaterial) thing.visible = false;
   });
   rested(window);
   return true;

@@ -68,6 +68,7 @@ export type Values<P, M> = Part<Part<Operation<P, M>, "parameters">, "path"> &
 /** viser's own state, which it leaves in its window for tests: only what we use of it. */
 export interface Viser {
   canvas: HTMLCanvasElement;
+  backgroundMaterial?: Material;
   configuredMaxOrbitDistance: number;
   camera: Camera3D;
   cameraControl?: {
@@ -140,8 +141,10 @@ export interface Node3D {
 /** Anything that three.js draws: a mesh, a light, a group of them. */
 export interface Thing3D extends Node3D {
   isLight?: boolean;
+  isHemisphereLight?: boolean;
   isMesh?: boolean;
   castShadow: boolean;
+  intensity?: number;
   material: Material;
   geometry: Geometry;
 }
@@ -186,6 +189,8 @@ export interface Attribute {
 }
 
 export interface ViewWindow extends Window {
+  /** By frame.js: whether a processor draws it. */
+  drawnInSoftware?: boolean;
   __viserMutable?: Viser;
   __viserTestpoints?: { devSettings: { set(settings: { fixedDpr: number }): void } };
 }
