@@ -67,6 +67,9 @@ class ServeConfig(RobotOptions):
     """Of the synthetic operator."""
     style: Style = "march"
     """Which human motion means walking."""
+    mapper: str = "expert"
+    """What maps the person, as of `drive`; the page can choose another one. What a rival refuses to
+    map stays with the shipped experts."""
     controller: ControllerName | None = None
     """What turns the reference into an action (default: policy once trained)."""
     scene: SceneName = "empty"
@@ -93,9 +96,9 @@ class DriveConfig(RobotOptions):
     style: Style = "march"
     """Which human motion means walking."""
     mapper: str = "expert"
-    """What maps the person: expert, a rival (stand_still, nearest_pair, ridge, kim2020,
-    dontcheva2003, yamane2010, seol2013, gmr), fitted at the start, or FILE.py:Class of your own
-    (docs/mapper_plugin.py)."""
+    """What maps the person: expert, one that was trained here, a rival (stand_still, nearest_pair,
+    ridge, kim2020, dontcheva2003, yamane2010, seol2013, gmr), fitted at the start, or FILE.py:Class
+    of your own (docs/mapper_plugin.py)."""
     controller: ControllerName | None = None
     """What turns the reference into an action (default: policy once trained)."""
     scene: SceneName = "empty"

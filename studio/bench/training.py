@@ -21,8 +21,8 @@ from studio.rl.env_config import EnvConfig
 from studio.robot.a1 import CONTROL_DT
 from studio.sim.batch import BatchConfig, BatchWorld
 from studio.training.collected import TakesTraining, train_state
+from studio.training.synthetic_pairs import make_pairs
 from studio.training.take_pairs import split_pairs
-from studio.training.train_mapper import make_pairs
 
 SIZES = (64, 256, 1024, 4096)
 PPO_ENVS = 512

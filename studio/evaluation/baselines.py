@@ -29,7 +29,7 @@ from studio.training.machine import commit
 from studio.training.mapper_fit import MapperTraining
 from studio.training.operator_pairs import PairSet
 from studio.training.rivals import fitted
-from studio.training.train_mapper import make_pairs
+from studio.training.synthetic_pairs import make_pairs
 
 log = logging.getLogger(__name__)
 EXPERT = "expert"

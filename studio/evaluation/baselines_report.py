@@ -3,7 +3,6 @@
 `a1-studio evaluate baselines && a1-studio report baselines`
 """
 
-import inspect
 import json
 from dataclasses import dataclass
 from pathlib import Path
@@ -194,9 +193,8 @@ def _limits(rows: Rows) -> list[str]:
 
 def _ends(name: str) -> str:
     """A rival's limits, as its file says them."""
-    module = inspect.getmodule(RIVALS[name].fit) if name in RIVALS else None
-    said = " ".join(((module and module.__doc__) or "").split()).partition("Limits: ")[2]
-    return said[:1].upper() + said[1:] + " " if said else ""
+    said = RIVALS[name].says("Limits") if name in RIVALS else ""
+    return said + " " if said else ""
 
 
 def _worst(rows: Rows) -> str:

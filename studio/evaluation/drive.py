@@ -11,13 +11,16 @@ from studio.errors import StudioError
 from studio.evaluation.behind import drive, met, stood_up
 from studio.evaluation.drive_report import DriveReport, trace_line
 from studio.link.udp import open_link
+from studio.live.mappers import is_rival
+from studio.live.mappers import open_mapper as open_trained
 from studio.mocap.joint_maps import read_joint_map
 from studio.options import DriveConfig
 from studio.retarget.settings import joint_speed
+from studio.retarget.store import Experts
 from studio.sources import Source, open_source, usages
 from studio.takes.record.recorder import Recorder
 from studio.takes.tick import Tick
-from studio.training.rivals import OURS, open_mapper
+from studio.training.rivals import OURS, SHIPPED, open_mapper
 
 TOUR_SECONDS = 40.0
 """How long an endless operator is followed if nothing else is said: one tour of every task."""
@@ -62,8 +65,8 @@ def run_drive(
             link := open_link(config.robot, config.robot_level, config.robot_secret),
         )
         stack.callback(puppeteer.link.close)
-        if config.mapper != OURS:
-            puppeteer.set_experts(open_mapper(config.mapper, config.style, config.state))
+        if config.mapper not in (OURS, SHIPPED):
+            puppeteer.set_experts(_mapper(config))
         stood_up(puppeteer)
         report = DriveReport()
         sinks: list[Callable[[Tick], None]] = [report.add]
@@ -93,6 +96,17 @@ def run_drive(
         if config.record:
             out["take"] = taken
         return out
+
+
+def _mapper(config: DriveConfig) -> Experts:
+    """StudioError where there is none, it refuses a state, or it walks in another style."""
+    name, style = config.mapper, config.style
+    if ":" in name or is_rival(config.sessions, name):
+        return open_mapper(name, style, config.state)
+    experts = open_trained(config.sessions, name, style).experts
+    if experts.style != style:
+        raise StudioError(f"mapper {name} walks by {experts.style}: say --style {experts.style}")
+    return experts
 
 
 def _how_long(config: DriveConfig, source: Source) -> float:

@@ -26,7 +26,7 @@ from studio.robot.a1 import CONTROL_DT
 from studio.training.machine import commit
 from studio.training.mapper_fit import MapperTraining
 from studio.training.operator_pairs import PairSet
-from studio.training.train_mapper import make_pairs
+from studio.training.synthetic_pairs import make_pairs
 
 log = logging.getLogger(__name__)
 Array = NDArray[np.float64]

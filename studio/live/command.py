@@ -66,6 +66,11 @@ class Command(Body, ABC):
         """There is something to open, read or draw before the loop's thread can apply it."""
         return type(self).prepare is not Command.prepare
 
+    @property
+    def waits(self) -> bool:
+        """Its `prepare` waits for another process, and keeps nobody from opening a file."""
+        return False
+
     def prepare(self, runtime: "Runtime") -> Any:
         """Open, read or draw what `apply` needs; any thread. StudioError says what is not there."""
 

@@ -235,6 +235,7 @@ class Runtime:
     def close(self) -> None:
         """End a take in good order, free the source and the robot."""
         self.replaced.forget()
+        self.mappers.fitting.cancel()
         self.recorder.close()
         self.runs.close()
         self.collector.close()

@@ -9,6 +9,7 @@ from studio.link.link import Level
 from studio.live.collect_stages import Phase
 from studio.live.command import OneOf
 from studio.options import STYLES, Travel
+from studio.reference.intent import StateName
 from studio.reference.library import TASKS
 
 Style = Annotated[str, OneOf("style", STYLES)]
@@ -101,11 +102,14 @@ class Collect(TypedDict("_Try", {"try": int}, total=False)):
 
 
 class MapperInUse(TypedDict):
-    """before: to which A/B returns."""
+    """before: to which A/B returns. refused: the states that it does not map, where the shipped
+    experts do, and why. fitting: the rival that is being fitted to be the next."""
 
     name: str
     style: Style
     before: str | None
+    refused: dict[StateName, str]
+    fitting: str | None
 
 
 class RefusedFrames(TypedDict):

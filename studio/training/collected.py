@@ -35,6 +35,7 @@ from studio.training.machine import commit
 from studio.training.mapper_fit import MapperTraining, fit_expert, score
 from studio.training.mapper_net import MapperNet
 from studio.training.operator_pairs import PairSet, mirrored
+from studio.training.rivals import refuse_taken
 from studio.training.take_pairs import Split, read_pairs, split_pairs
 
 log = logging.getLogger(__name__)
@@ -92,6 +93,7 @@ def _train(config: TakesTraining, say: Say, began: float) -> dict[str, Any]:
     walk = "walk" in config.states and not ruled("walk", config.style)
     found = read_pairs(config.sessions, config.takes, config.dataset, config.style, walk=walk)
     name = check_name(config.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}", "mapper")
+    refuse_taken(name)
     out = Path(config.sessions) / "mappers" / name
     counts = {s: found.count(s) for s in config.states}
     without = left_out(found.counts, config.states, config.style)

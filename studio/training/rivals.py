@@ -23,11 +23,11 @@ from studio.retarget.baselines.frames import Pairs
 from studio.retarget.baselines.registry import RIVALS
 from studio.retarget.mapper import Expert, misfit
 from studio.retarget.store import Experts, load_experts
-from studio.training.train_mapper import make_pairs
+from studio.training.synthetic_pairs import make_pairs
 
 log = logging.getLogger(__name__)
-OURS = "expert"
-"""The shipped experts' name among mappers."""
+OURS, SHIPPED = "expert", "shipped"
+"""The shipped experts' name among mappers, and beside those that were trained here."""
 SECONDS = 300.0
 """Of synthetic people a state that a rival is fitted to: some seconds of computing."""
 
@@ -41,15 +41,39 @@ def open_mapper(name: str, style: str, state: str = "auto", seconds: float = SEC
     shipped = load_experts(style)
     if name == OURS:
         return shipped
-    fit = _fit_of(name)
-    experts: dict[StateName, Expert] = {}
-    for each in STATES:
-        if state not in ("auto", each):
-            continue
-        log.info("fitting %s to synthetic people: %s", name, each)
-        pairs = make_pairs(each, seconds, 0, style)
-        experts[each] = _checked(name, fit(each, pairs, 0))
+    experts: dict[StateName, Expert] = {
+        each: _of_people(name, each, style, seconds) for each in STATES if state in ("auto", each)
+    }
     return in_place(shipped, experts, name)
+
+
+def open_willing(
+    name: str, style: str, seconds: float = SECONDS
+) -> tuple[Experts, dict[StateName, str]]:
+    """As `open_mapper`, but the shipped experts stay in the states that the mapper refuses: those,
+    and why. StudioError where it refuses all."""
+    experts: dict[StateName, Expert] = {}
+    refused: dict[StateName, str] = {}
+    _fit_of(name)
+    for state in STATES:
+        try:
+            experts[state] = _of_people(name, state, style, seconds)
+        except StudioError as why:
+            refused[state] = str(why)
+    if not experts:
+        raise StudioError(f"mapper {name!r} maps no state: {next(iter(refused.values()))}")
+    return in_place(load_experts(style), experts, name), refused
+
+
+def _of_people(name: str, state: StateName, style: str, seconds: float) -> Expert:
+    log.info("fitting %s to synthetic people: %s", name, state)
+    return fitted(name, state, make_pairs(state, seconds, 0, style))
+
+
+def refuse_taken(name: str) -> None:
+    """StudioError where a mapper trained here may not be called so."""
+    if name in (OURS, SHIPPED, *RIVALS):
+        raise StudioError(f"{name} comes with the studio: choose another name for the mapper")
 
 
 def in_place(shipped: Experts, experts: dict[StateName, Expert], name: str) -> Experts:

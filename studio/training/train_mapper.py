@@ -11,7 +11,6 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any, cast
 
-import numpy as np
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 from safetensors.numpy import save_file
@@ -23,11 +22,10 @@ from studio.reference.intent import StateName
 from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import Mapper
 from studio.retarget.store import ruled, shared, style_dir
-from studio.timing import CONTROL_HZ
 from studio.training.machine import commit
 from studio.training.mapper_fit import MapperTraining, OnStep, fit_expert, plain_json, score
-from studio.training.operator_pairs import PairSet, performances
 from studio.training.selector_fit import fit_selector
+from studio.training.synthetic_pairs import make_pairs
 
 log = logging.getLogger(__name__)
 
@@ -100,26 +98,6 @@ def _train_expert(
     scores = score(Mapper.from_tensors(tensors), held)
     log.info("%s: %s", state, {k: round(v, 3) for k, v in scores.items()})
     return tensors, {**scores, "train_frames": len(pairs), "held_out_frames": len(held)}
-
-
-def make_pairs(
-    state: StateName,
-    seconds: float,
-    seed: int,
-    style: str = "march",
-    family: str = "default",
-    tick: OnStep | None = None,
-) -> PairSet:
-    """`seconds` of one state's pairs by ever new people of a family; the same for the same seed."""
-    rng = np.random.default_rng([seed, list(EXPERTS).index(state)])
-    parts: list[PairSet] = []
-    frames = 0
-    for pairs in performances(state, rng, seconds, family=family, style=style):
-        parts.append(pairs)
-        frames += len(pairs)
-        if tick:
-            tick(min(int(frames / CONTROL_HZ), int(seconds)))
-    return PairSet.join(parts)
 
 
 def _write(

@@ -236,3 +236,15 @@ class TrainedMapper(TypedDict):
     style: Style
     states: list[str]
     takes: list[str]
+
+
+class Rival(TypedDict):
+    """A mapper to compare with. letter: in the paper's comparison, or "". given: what it is fitted
+    to. source, limits: as its file says, or ""."""
+
+    name: str
+    letter: str
+    title: str
+    given: str
+    source: str
+    limits: str

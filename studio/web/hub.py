@@ -56,9 +56,14 @@ class Hub:
         self.workers = ThreadPoolExecutor(max_workers=4, thread_name_prefix="files")
         # One at a time: a thread that reads a large file leaves Python to nobody for long.
         self.opening = ThreadPoolExecutor(max_workers=1, thread_name_prefix="open")
+        # Two: whoever asks for another mapper ends what the one before waits for.
+        self.fitting = ThreadPoolExecutor(max_workers=2, thread_name_prefix="fit")
         self.worker_process = WorkerProcess()
         self._encoded: tuple[Any, bytes] = (None, b"")
-        self.at_close: list[Callable[[], None]] = [self.worker_process.close]
+        self.at_close: list[Callable[[], None]] = [
+            self.worker_process.close,
+            lambda: self.loop.runtime.mappers.fitting.cancel(),
+        ]
 
     async def submit(self, command: Command, seen: int | None = None) -> Result:
         """Ask the loop from the event loop, which goes on meanwhile.
@@ -68,6 +73,7 @@ class Hub:
         known = self.stop_order.known()  # now: later, in a pool, it may have become too late to ask
         seen = known if seen is None else min(seen, known)
         pool = self.opening if command.prepares else self.commands
+        pool = self.fitting if command.waits else pool
         pool = self.stops if isinstance(command, Stop) else pool
         return await OffThread(pool, 409)(self.loop.submit, command, ANSWER_TIMEOUT, seen)
 
@@ -106,7 +112,7 @@ class Hub:
         """Let no thread and no process linger."""
         for end in self.at_close:
             end()
-        for pool in (self.stops, self.commands, self.workers, self.opening):
+        for pool in (self.stops, self.commands, self.workers, self.opening, self.fitting):
             pool.shutdown(wait=False, cancel_futures=True)
 
 

@@ -18,11 +18,14 @@ from studio.control.drive_command import PuppeteerConfig
 from studio.errors import StudioError
 from studio.files import scratch_folder, sweep, sweep_writes
 from studio.link.udp import open_link
+from studio.live.commands.mappers import map_by
 from studio.live.loop import LiveLoop
 from studio.live.mappers import FOLDER as MAPPERS
+from studio.live.mappers import open_given
 from studio.live.runtime import Runtime, RuntimeConfig
 from studio.options import ServeConfig
 from studio.takes.export import adding
+from studio.training.rivals import OURS
 from studio.web.access import AccessConfig, page_url
 from studio.web.feed import TickFeed
 from studio.web.gateway import create_app
@@ -88,7 +91,7 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
         )
         scratch = stack.enter_context(scratch_folder(SCRATCH))
         link = open_link(config.robot, config.robot_level, config.robot_secret)
-        loop = LiveLoop(runtime=Runtime(runtime, link=link))
+        loop = LiveLoop(runtime=_mapped_by(config.mapper, Runtime(runtime, link=link)))
         inner = GuardedViser()
         stack.callback(inner.stop)
         scene = StudioScene(
@@ -122,6 +125,19 @@ def studio(config: ServeConfig) -> Iterator[tuple[uvicorn.Server, socket.socket,
         if config.host not in LOOPBACK_HOSTS:
             log.warning("%s", exposure(access))
         yield server, listener, page_url(access)
+
+
+def _mapped_by(name: str, runtime: Runtime) -> Runtime:
+    """The same, by the mapper of --mapper; what takes long is done before anything moves."""
+    if name != OURS:
+        style = runtime.config.puppeteer.style
+        try:
+            opened = open_given(runtime.config.sessions, name, style, runtime.mappers)
+        except BaseException:
+            runtime.close()
+            raise
+        map_by(runtime, opened)
+    return runtime
 
 
 def checked_tls(config: ServeConfig) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from pydantic import Field, StrictBool, StrictInt
 
 from studio.errors import StudioError, unknown_name
 from studio.live.command import Body
-from studio.live.mappers import list_mappers, mapper_folder
+from studio.live.mappers import list_mappers, list_rivals, mapper_folder
 from studio.options import STYLES
 from studio.reference.intent import STATES
 from studio.takes.as_json import plain
@@ -16,8 +16,9 @@ from studio.takes.dataset import datasets
 from studio.takes.dataset.known_counts import KnownCounts
 from studio.takes.session_library import SessionLibrary
 from studio.training.enough import left_out
+from studio.training.rivals import refuse_taken
 from studio.web.answers import answers
-from studio.web.answers_takes import DataSet, PairCounts, TrainedMapper, Training
+from studio.web.answers_takes import DataSet, PairCounts, Rival, TrainedMapper, Training
 from studio.web.hub import Hub, OffThread
 from studio.web.train_jobs import TrainJobs
 
@@ -41,7 +42,7 @@ class TrainBody(FromBody):
 
 
 def train_router(hub: Hub) -> APIRouter:
-    """`/api/train` and `/api/mappers`."""
+    """`/api/train`, `/api/mappers` and `/api/rivals`."""
     router = APIRouter(prefix="/api", tags=["train"])
     jobs = TrainJobs(hub.sessions, hub.scratch)
     hub.at_close.append(jobs.close)
@@ -59,6 +60,7 @@ def train_router(hub: Hub) -> APIRouter:
         if body.style not in STYLES:
             raise StudioError(f"unknown style {body.style!r}; known: {', '.join(STYLES)}")
         name = body.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}"
+        refuse_taken(name)
         if mapper_folder(hub.sessions, name).exists():
             raise StudioError(f"a mapper named {name} exists: choose another name")
         if body.dataset is not None:
@@ -119,5 +121,11 @@ def train_router(hub: Hub) -> APIRouter:
     async def mappers() -> list[dict[str, Any]]:
         """Every mapper trained here, with its data, settings and scores."""
         return plain(await off_thread(lambda: list_mappers(hub.sessions)))
+
+    @router.get("/rivals", **answers(list[Rival], 409))
+    async def rivals() -> list[dict[str, str]]:
+        """What the mapper is compared with, those of the paper among them: `POST /api/mapper` takes
+        their names."""
+        return await off_thread(lambda: list_rivals(hub.sessions))
 
     return router

@@ -3,22 +3,17 @@ at once would leave the control loop and every answer a ninth of it."""
 
 import asyncio
 import logging
-import multiprocessing
-import os
-import signal
-import threading
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from typing import ParamSpec, TypeVar
 
 from studio.errors import StudioError
+from studio.live.aside import end, one_process
 
 log = logging.getLogger(__name__)
 P = ParamSpec("P")
 T = TypeVar("T")
-NICENESS = 5
-"""The loop comes first: others take what is left."""
 
 
 class WorkerProcess:
@@ -33,11 +28,7 @@ class WorkerProcess:
         StudioError where the process was killed in the midst of it, or closed before it began.
         """
         if self._pool is None:
-            self._pool = ProcessPoolExecutor(
-                max_workers=1,
-                mp_context=multiprocessing.get_context("spawn"),
-                initializer=_settle,
-            )
+            self._pool = one_process()
         pool = self._pool
         waits = pool.submit(work, *args, **kwargs)
         try:
@@ -60,20 +51,4 @@ class WorkerProcess:
         """End the process, whatever it is at."""
         pool, self._pool = self._pool, None
         if pool is not None:
-            for process in list((pool._processes or {}).values()):
-                process.terminate()
-            pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _settle() -> None:
-    """In the new process: give way to others, and end with the one that began it."""
-    os.nice(NICENESS)
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # a Ctrl-C is for the server, which ends us
-    parent = multiprocessing.parent_process()
-    assert parent is not None
-
-    def end() -> None:
-        parent.join()
-        os._exit(1)
-
-    threading.Thread(target=end, name="parent", daemon=True).start()
+            end(pool)

@@ -16,7 +16,7 @@ from studio.evaluation.pairs import SETTLE
 from studio.retarget.baselines.frames import Memoryless, Targets
 from studio.retarget.baselines.simple import NearestPair, StandStill
 from studio.retarget.mapper import Mapped
-from studio.training.train_mapper import make_pairs
+from studio.training.synthetic_pairs import make_pairs
 
 SMOKE = Options(
     episodes=2,

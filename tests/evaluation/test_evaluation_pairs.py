@@ -9,7 +9,7 @@ from studio.evaluation.pairs_report import table
 from studio.retarget.baselines.frames import Targets, unstack
 from studio.retarget.baselines.simple import NearestPair, Ridge, contact_by_height
 from studio.robot import a1, kinematics
-from studio.training.train_mapper import make_pairs
+from studio.training.synthetic_pairs import make_pairs
 
 
 def linear_pairs(n: int = 400) -> tuple[np.ndarray, Targets]:

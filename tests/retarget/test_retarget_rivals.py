@@ -18,7 +18,7 @@ from studio.retarget.mapper import RATES, Expert
 from studio.robot import a1, kinematics
 from studio.training import rivals
 from studio.training.operator_pairs import PairSet
-from studio.training.train_mapper import make_pairs
+from studio.training.synthetic_pairs import make_pairs
 
 CYCLIC = "kim2020"
 MAPS_ALL = [name for name in RIVALS if name != CYCLIC]

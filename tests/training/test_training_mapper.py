@@ -30,7 +30,8 @@ from studio.training.operator_pairs import (
     pair_up,
 )
 from studio.training.selector_data import SIT, STAND, UNLABELLED, WALK, labels, sequences
-from studio.training.train_mapper import make_pairs, run_train_mapper
+from studio.training.synthetic_pairs import make_pairs
+from studio.training.train_mapper import run_train_mapper
 
 SMALL = MapperTraining(steps=400, hidden=64, batch=128, seconds=120.0, seed=5)
 

@@ -190,7 +190,9 @@ def test_takes_train_a_mapper_that_is_swapped_in_compared_and_rolled_back(collec
     assert of["left_out"] == told["left_out"]
 
     state = client.post("/api/mapper", json={"name": body["name"]}).json()
-    assert state["mapper"] == {"name": body["name"], "style": "march", "before": "shipped"}
+    assert state["mapper"] == {
+        "name": body["name"], "style": "march", "before": "shipped", "refused": {}, "fitting": None,
+    }  # fmt: skip
     assert client.post("/api/mapper/back").json()["mapper"]["name"] == "shipped"
     assert client.post("/api/mapper/back").json()["mapper"]["name"] == body["name"]
 

@@ -128,7 +128,7 @@ def test_takes_are_collected_repaired_learnt_from_and_the_new_mapper_drives(page
     assert np.degrees(np.sqrt(np.mean((robot - reference) ** 2))) < 8.0
     assert not any(tick["fallen"] for tick in seen)
     assert client.get("/api/state").json()["mapper"] == {
-        "name": "ada", "style": "march", "before": "shipped",
+        "name": "ada", "style": "march", "before": "shipped", "refused": {}, "fitting": None,
     }  # fmt: skip
     for _ in range(5):
         rendered = page.evaluate(RENDERED)

@@ -1,6 +1,6 @@
 // Words for what the studio names: pure functions, without a page.
 
-/** @import { State, Take } from "../types/page.js" */
+/** @import { Rival, State, Take } from "../types/page.js" */
 
 /** @param {string} words */
 export const capital = (words) => (words ? words[0].toUpperCase() + words.slice(1) : words);
@@ -13,6 +13,28 @@ export const jointName = (name) => spoken(name.replace(/^l_/, "left_").replace(/
 
 /** @param {number} count @param {string} noun */
 export const counted = (count, noun) => `${count} ${noun}${count === 1 ? "" : "s"}`;
+
+/** "(A) Kim et al. 2020", or what it does. @param {Rival} rival */
+export const rivalName = ({ letter, name, title }) => {
+  const who = title.includes(": ") ? title.split(": ")[0] : spoken(name);
+  return letter ? `(${letter}) ${who}` : capital(who);
+};
+
+/**
+ * What a rival does, by whom, and what it cannot.
+ *
+ * @param {Rival} rival
+ * @param {string[]} refused states in which the shipped experts map in its place
+ */
+export function rivalLine({ title, given, source, limits }, refused = []) {
+  const does = capital(title.split(": ").at(-1) ?? title);
+  const paper = /^.*?\b(?:19|20)\d\d\b/.exec(source)?.[0];
+  const parts = [`${does}; fitted to ${given}.`];
+  if (paper) parts.push(`Source: ${paper}.`);
+  if (limits) parts.push(`Limits: ${limits}`);
+  if (refused.length) parts.push(`Here it does not map ${refused.join(" and ")}: shipped does.`);
+  return parts.join(" ");
+}
 
 /**
  * "by page-1a2b3c" is, to a person, "by this page" or "by another page".

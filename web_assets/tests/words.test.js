@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { capital, counted, jointName, reportLine } from "../js/words.js";
-import { search, sourceName, spoken, stoppedBy } from "../js/words.js";
+import { rivalLine, rivalName, search, sourceName, spoken, stoppedBy } from "../js/words.js";
 
 const take = (name, label = "", note = null, source = "operator") => ({
   name,
@@ -76,4 +76,28 @@ test("a stop is by this page, by another, or by one that is closed", () => {
   assert.match(stoppedBy(why, "page-ffffff", ["page-ffffff", "page-0a1b2c"]), /by another page;/);
   assert.match(stoppedBy(why, "page-ffffff", ["page-ffffff"]), /by a closed page;/);
   assert.equal(stoppedBy("the page is wide", null), "the page is wide");
+});
+
+test("a rival is said by whom it is, what it does and what it cannot", () => {
+  const rival = {
+    name: "kim2020",
+    letter: "A",
+    title: "Kim et al. 2020: a cycle's phase",
+    given: "whole performances",
+    source: 'N. H. Kim, "Learning to Correspond", L4DC 2020: trajectories of two systems.',
+    limits: "One cycle.",
+  };
+  assert.equal(rivalName(rival), "(A) Kim et al. 2020");
+  assert.equal(
+    rivalLine(rival, ["stand", "sit"]),
+    "A cycle's phase; fitted to whole performances. " +
+      'Source: N. H. Kim, "Learning to Correspond", L4DC 2020. Limits: One cycle. ' +
+      "Here it does not map stand and sit: shipped does.",
+  );
+  const simple = { ...rival, name: "nearest_pair", letter: "", source: "", limits: "" };
+  assert.equal(rivalName({ ...simple, title: "the most similar" }), "Nearest pair");
+  assert.equal(
+    rivalLine({ ...simple, title: "the most similar", given: "every pair" }),
+    "The most similar; fitted to every pair.",
+  );
 });

@@ -284,8 +284,9 @@ export interface paths {
         put?: never;
         /**
          * Mapper
-         * @description Map the person by the experts trained under this name, or by those "shipped", from the next
-         *     period on.
+         * @description Map the person by the experts trained under this name, by those "shipped", or by a rival of
+         *     `GET /api/rivals`, from the next period on. A rival is fitted first, which takes some ten
+         *     seconds, once; what it refuses to map stays with the shipped experts.
          */
         post: operations["mapper_api_mapper_post"];
         delete?: never;
@@ -1249,6 +1250,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/rivals": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Rivals
+         * @description What the mapper is compared with, those of the paper among them: `POST /api/mapper` takes
+         *     their names.
+         */
+        get: operations["rivals_api_rivals_get"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/files": {
         parameters: {
             query?: never;
@@ -2137,7 +2159,8 @@ export interface components {
         };
         /**
          * MapperInUse
-         * @description before: to which A/B returns.
+         * @description before: to which A/B returns. refused: the states that it does not map, where the shipped
+         *     experts do, and why. fitting: the rival that is being fitted to be the next.
          */
         MapperInUse: {
             /** Name */
@@ -2149,6 +2172,12 @@ export interface components {
             style: "march" | "circles" | "semantic";
             /** Before */
             before: string | null;
+            /** Refused */
+            refused: {
+                [key: string]: string;
+            };
+            /** Fitting */
+            fitting: string | null;
         };
         /**
          * NotesBody
@@ -2494,6 +2523,25 @@ export interface components {
             problems: string[];
         };
         /**
+         * Rival
+         * @description A mapper to compare with. letter: in the paper's comparison, or "". given: what it is fitted
+         *     to. source, limits: as its file says, or "".
+         */
+        Rival: {
+            /** Name */
+            name: string;
+            /** Letter */
+            letter: string;
+            /** Title */
+            title: string;
+            /** Given */
+            given: string;
+            /** Source */
+            source: string;
+            /** Limits */
+            limits: string;
+        };
+        /**
          * RobotBehind
          * @description The robot behind a link (docs/robot-link.md): what is sent to it, its phase and why it is
          *     limp, s since it was heard, silent from so many on, datagrams that were not believed.
@@ -2641,8 +2689,9 @@ export interface components {
         };
         /**
          * SetMapper
-         * @description Map the person by the experts trained under this name, or by those "shipped", from the next
-         *     period on.
+         * @description Map the person by the experts trained under this name, by those "shipped", or by a rival of
+         *     `GET /api/rivals`, from the next period on. A rival is fitted first, which takes some ten
+         *     seconds, once; what it refuses to map stays with the shipped experts.
          */
         SetMapper: {
             /** Name */
@@ -5783,6 +5832,35 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["TrainedMapper"][];
+                };
+            };
+            /** @description not applied: see `why` */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Refused"];
+                };
+            };
+        };
+    };
+    rivals_api_rivals_get: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Rival"][];
                 };
             };
             /** @description not applied: see `why` */

@@ -27,6 +27,7 @@ export type Binned = Schemas["Binned"];
 export type Export = Schemas["Export"];
 export type Imported = Schemas["Imported"];
 export type Edits = Schemas["EditBody"];
+export type Rival = Schemas["Rival"];
 export type Seek = Schemas["Seek"];
 export type Move = Schemas["Transport"];
 export type Played = Schemas["Played"];

@@ -5,18 +5,16 @@ from studio.live.commands.collect import AddToPlan, CollectAction, SetPlan
 from studio.live.commands.drive import (
     MODES,
     Calibrate,
-    MapperBack,
     SetController,
     SetGain,
-    SetMapper,
     SetMirror,
     SetMode,
     SetSource,
     SetStateLock,
     SetSteps,
-    SetStyle,
     SetTravel,
 )
+from studio.live.commands.mappers import MapperBack, SetMapper, SetStyle
 from studio.live.commands.safety import Arm, Disarm, ReleaseControl, Reset, Stop, TakeControl
 from studio.live.commands.scenes import PlaceRobot, Push, SetPerson, SetScene
 from studio.live.commands.takes import Seek, ShowTake, StartTake, StopTake

@@ -1,4 +1,4 @@
-"""Who is watched, by which mapper, and what the robot does with it."""
+"""Who is watched, and what the robot does with it."""
 
 import math
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
@@ -9,14 +9,12 @@ from studio.control.controllers import CONTROLLERS
 from studio.control.staleness import missing
 from studio.errors import StudioError
 from studio.live.command import Command, Made, Number, OneOf, with_why
-from studio.live.mappers import SHIPPED, OpenedMapper, open_mapper
 from studio.live.replay import Replay, open_replay
 from studio.live.robot_watch import begins_live
 from studio.live.source_reader import OpenedSource, open_follower, open_for
-from studio.options import STYLES, Steps, Travel
+from studio.options import Steps, Travel
 from studio.reference.intent import STATES
 from studio.retarget.settings import LIMITS, checked_gain
-from studio.retarget.store import load_experts
 
 if TYPE_CHECKING:
     from studio.live.runtime import Runtime
@@ -183,68 +181,3 @@ class Calibrate(Command):
         if not runtime.puppeteer.retargeter.extractor.calibrator.neutral_now():
             raise StudioError(f"hips and shoulders are not seen: {then}")
         return {}
-
-
-class SetStyle(Command):
-    """Which human motion means walking, from the next period on: the shipped experts of that style
-    take over, and the built-in operator walks in it too."""
-
-    path: ClassVar[str] = "style"
-    style: Annotated[str, OneOf("style", STYLES)]
-
-    def prepare(self, runtime: "Runtime") -> OpenedMapper:
-        """Read the style's experts."""
-        return OpenedMapper(name=None, experts=load_experts(self.style))
-
-    def apply(self, runtime: "Runtime", now: float, prepared: OpenedMapper) -> Made:
-        """Swap them in."""
-        return _map_by(runtime, prepared)
-
-
-class SetMapper(Command):
-    """Map the person by the experts trained under this name, or by those "shipped", from the next
-    period on."""
-
-    path: ClassVar[str] = "mapper"
-    tag: ClassVar[str] = "train"
-    misfit_status: ClassVar[int] = 422
-    name: str = Field(max_length=120)
-
-    def prepare(self, runtime: "Runtime") -> OpenedMapper:
-        """Read the experts."""
-        style = runtime.config.puppeteer.style
-        if self.name == SHIPPED:
-            return OpenedMapper(name=None, experts=load_experts(style))
-        return open_mapper(runtime.config.sessions, self.name, style)
-
-    def apply(self, runtime: "Runtime", now: float, prepared: OpenedMapper) -> Made:
-        """Swap them in."""
-        return _map_by(runtime, prepared)
-
-
-class MapperBack(Command):
-    """Map by whichever experts were in use before: A/B, and the way back."""
-
-    path: ClassVar[str] = "mapper/back"
-    tag: ClassVar[str] = "train"
-
-    def apply(self, runtime: "Runtime", now: float, prepared: None = None) -> Made:
-        """Swap them in. StudioError if none was swapped in yet."""
-        if runtime.mappers.before is None:
-            raise StudioError("there is no mapper to go back to: none was swapped in yet")
-        return _map_by(runtime, runtime.mappers.before)
-
-
-def _map_by(runtime: "Runtime", mapper: OpenedMapper) -> Made:
-    """Map the person by other experts, and walk in their style. StudioError for another style
-    while a take is recorded; a take of a plan is thrown away then."""
-    style = mapper.experts.style
-    if style != runtime.puppeteer.config.style:
-        recording = runtime.recorder.recording
-        if recording is not None and runtime.mode != "collect":
-            raise StudioError(f"take {recording} is being recorded: stop it first")
-        runtime.collector.abort("the style was changed: the take was thrown away")
-    runtime.mappers.swap(mapper)
-    runtime.puppeteer.set_experts(mapper.experts)
-    runtime.walk_in(style)
-    return {"name": mapper.name or SHIPPED}

@@ -3,6 +3,7 @@
 Every one takes a state's pairs and becomes that state's expert (`retarget.mapper.Expert`).
 """
 
+import inspect
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -26,6 +27,13 @@ class Rival:
     title: str
     given: str
     fit: Callable[[StateName, Pairs, int], Expert]
+
+    def says(self, what: str) -> str:
+        """What its file says under "Source", "Limits" or such; "" where it says nothing."""
+        module = inspect.getmodule(self.fit)
+        paragraphs = ((module and module.__doc__) or "").split("\n\n")
+        said = [" ".join(text.split()).partition(f"{what}: ")[2] for text in paragraphs]
+        return next((text[:1].upper() + text[1:] for text in said if text), "")
 
 
 RIVALS: dict[str, Rival] = {
