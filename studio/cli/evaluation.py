@@ -30,6 +30,8 @@ def evaluate(argv: Sequence[str]) -> Answer:
     if name not in (*TABLES, "all"):
         usage(f"no evaluation {name!r} is built\n\n{overview}", 2)
     chosen = table(name)
+    if name == "all":
+        logging.getLogger("studio.evaluation.all").setLevel(logging.INFO)  # its progress
     try:
         options = tyro.cli(chosen.options, prog=f"a1-studio evaluate {name}", args=rest)
     except SystemExit as stopped:

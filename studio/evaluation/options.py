@@ -51,3 +51,7 @@ class AllOptions(TableOptions):
     """Cores to use (default: each table's own)."""
     clips: Path | None = None
     """Folder of real motion clips; without it the tables that need one are left out."""
+    fresh: bool = False
+    """Make anew also those that are kept, made by the same code with the same options."""
+    smoke: bool = False
+    """Each at its smallest, in minutes and kept apart: whether all runs, not what is worth."""

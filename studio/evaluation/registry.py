@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from studio.errors import unknown_name
-from studio.evaluation.options import AllOptions, TableOptions
+from studio.evaluation.options import TableOptions
 from studio.files import write_whole
 
 KEPT = Path("runs/evaluate/tables")
@@ -63,9 +63,7 @@ class Table:
 
 def table(name: str) -> Table:
     """One table, its file loaded. StudioError, naming those that there are, for an unknown one."""
-    if name == "all":
-        return Table(name, AllOptions, _run_all)
-    if name not in TABLES:
+    if name not in (*TABLES, "all"):
         raise unknown_name("evaluation", name, (*TABLES, "all"))
     module = import_module(f"studio.evaluation.{name}")
     return Table(name, module.Options, getattr(module, f"run_{name}"))
@@ -73,23 +71,11 @@ def table(name: str) -> Table:
 
 def run_table(name: str, options: TableOptions, *, keep: Path | None = KEPT) -> dict[str, Any]:
     """`{"rows": [...]}` of one table, or of all; each is kept in `keep` as it is made."""
-    if isinstance(options, AllOptions):
-        return _run_all(options, keep=keep)
+    if name == "all":
+        return import_module("studio.evaluation.all").run_all(options, keep=keep)
     made = table(name).run(options)
     if keep is not None:
         rows = json.dumps(made["rows"], default=float)
         write_whole(keep / f"{name}.json", rows, parents=True)
+        (keep / "made" / f"{name}.json").unlink(missing_ok=True)  # of the one before
     return made
-
-
-def _run_all(options: AllOptions, *, keep: Path | None = KEPT) -> dict[str, Any]:
-    """Every table that has what it needs, such as clips; each row names its `table`."""
-    given = {key: value for key, value in vars(options).items() if value is not None}
-    rows = []
-    for name in TABLES:
-        each = table(name)
-        if not given.keys() >= {*each.needs}:
-            continue
-        own = each.options(**{key: given[key] for key in each.takes if key in given})
-        rows += [{"table": name, **row} for row in run_table(name, own, keep=keep)["rows"]]
-    return {"rows": rows}
