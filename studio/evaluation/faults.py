@@ -186,6 +186,7 @@ def run_faults(
                     "case": kind,
                     "rate": rate,
                     "source": options.source,
+                    "controller": options.controller or "policy",
                     "episodes": options.episodes,
                     "seconds": options.seconds * options.episodes,
                     "falls": sum(one.falls for one in each),

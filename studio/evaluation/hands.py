@@ -170,6 +170,7 @@ def _rows(kind: str, runs: list[Seen], options: Options) -> list[dict[str, Any]]
             {
                 "kind": kind,
                 "case": case,
+                "controller": options.controller or "policy",
                 "seed": options.seed,
                 "episodes": len(runs),
                 "commit": commit(),

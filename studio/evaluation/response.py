@@ -190,6 +190,7 @@ def _rows(name: str, kind: str, people: list[Followed], options: Options) -> lis
                 "kind": kind,
                 "stage": stage,
                 "max_joint_speed_deg_s": options.max_joint_speed,
+                "controller": options.controller or "policy",
                 "seed": options.seed,
                 "episodes": len(people),
                 "commit": commit(),

@@ -79,6 +79,7 @@ def run_travel(options: Options = Options()) -> dict[str, Any]:
             rows.append(_row("all", "real", [run for _, run in real], options.seed))
     for row in rows:
         del row["runs"]
+        row["controller"] = options.controller or "policy"
         log.info("%s", row)
     return {"rows": rows}
 
