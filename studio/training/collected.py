@@ -88,12 +88,12 @@ def run_train_takes(config: TakesTraining) -> dict[str, Any]:
 
 
 def _train(config: TakesTraining, say: Say, began: float) -> dict[str, Any]:
+    name = check_name(config.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}", "mapper")
+    refuse_taken(name)
     shipped = load_experts(config.style)
     say({"event": "reading", "takes": len(config.takes)})
     walk = "walk" in config.states and not ruled("walk", config.style)
     found = read_pairs(config.sessions, config.takes, config.dataset, config.style, walk=walk)
-    name = check_name(config.name or f"mine-{datetime.now():%Y%m%d-%H%M%S}", "mapper")
-    refuse_taken(name)
     out = Path(config.sessions) / "mappers" / name
     counts = {s: found.count(s) for s in config.states}
     without = left_out(found.counts, config.states, config.style)

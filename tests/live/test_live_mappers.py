@@ -19,8 +19,7 @@ from studio.retarget.baselines.registry import RIVALS
 from studio.retarget.store import style_dir
 from studio.training.collected import TakesTraining, run_train_takes
 
-REPO = Path(__file__).parents[2]
-PLUGIN, EXAMPLES = REPO / "docs" / "mapper_plugin.py", REPO / "sessions"
+PLUGIN = Path(__file__).parents[2] / "docs" / "mapper_plugin.py"
 
 
 @pytest.fixture
@@ -103,9 +102,7 @@ def test_one_s_own_mapper_of_a_rival_s_name_comes_first(tmp_path):
 
 @pytest.mark.parametrize("name", ["shipped", "expert", "kim2020"])
 def test_a_new_mapper_may_not_be_called_as_one_that_comes_with_the_studio(tmp_path, name):
-    training = TakesTraining(
-        takes=("example-tilt-and-reach",), sessions=EXAMPLES, name=name, states=("stand",)
-    )
+    training = TakesTraining(takes=("some",), sessions=tmp_path, name=name)
     with pytest.raises(StudioError, match="comes with the studio"):
         run_train_takes(training)
 
