@@ -13,6 +13,7 @@ STAYS = {
     "models/policy/teachers",
     "models/mapper",
     "models",
+    "models/report",
     "web_assets/screenshots",
     "web_assets/tests",
     "web_assets/types",

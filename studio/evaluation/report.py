@@ -3,7 +3,8 @@
     a1-studio evaluate all
     a1-studio report models/policy/SCORES.md
 
-`evaluate` keeps each table as JSON as soon as it is made; the page shows them as last made.
+`evaluate` keeps each table as JSON as soon as it is made; the page shows them as last made. A page
+that ends in .html is made with pictures and replays in it (`report_html`).
 """
 
 import json
@@ -17,10 +18,12 @@ from typing import Any
 import tyro
 
 from studio.errors import StudioError
+from studio.evaluation.all import made_how
 from studio.evaluation.registry import KEPT
 from studio.evaluation.report_goals import GOALS
 from studio.evaluation.report_tables import TABLES, Column, Rows
 from studio.files import write_whole
+from studio.paths import package_folder
 from studio.training.machine import commit
 
 
@@ -52,21 +55,77 @@ class Report:
     """One page of the tables that `evaluate` has computed, goals met and missed first."""
 
     out: tyro.conf.Positional[Path] = Path("runs/evaluate/report.md")
-    """The page, Markdown."""
+    """The page: Markdown, or, where it ends in .html, one HTML page with JSON beside it."""
     tables: Path = KEPT
     """Folder of the tables that `evaluate` keeps."""
+    committed: bool = False
+    """Of the pages in models/, as they stand, instead: .html alone."""
+    sessions: Path = Path("sessions")
+    """Folder of recorded takes."""
+    replays: tuple[str, ...] = ()
+    """Takes that play in the HTML page, each in some 300 KB."""
+
+
+COMMITTED = ("policy/SCORES.md", "BASELINES.md", "PEOPLE.md", "../docs/figures.md")
+"""Of models/: the pages of what was measured."""
+PICTURES = {
+    "Ablation: success of policies with and without each consistency": "policy/ablation.png",
+    "Workspace of the standing robot's right front paw, without tilts and with": (
+        "policy/workspace.png"
+    ),
+    "Ranges of the synthetic people beside real clips": "operator_statistics.png",
+}
 
 
 def make(config: Report) -> dict[str, Any]:
     """Write the page: `{"page", "tables"}`, its file and what is on it. StudioError where no table
     is made yet."""
+    html = config.out.suffix == ".html"
+    if config.committed and not html:
+        raise StudioError("--committed makes an HTML page: name one that ends in .html")
+    models = package_folder("models")
+    if config.committed:
+        files = [(models / name).resolve() for name in COMMITTED]
+        facts = (
+            f"Of the repository's own pages at {commit()}: each says with which commit, seeds and "
+            "machine it was measured."
+        )
+        return _as_html(config, facts, {file: file.read_text("utf-8") for file in files})
     tables = load(config.tables)
     if not tables:
         raise StudioError(f"no table in {config.tables} yet: `a1-studio evaluate all` makes them")
-    machine = f"{os.cpu_count()} cores, {platform.machine()}"
-    facts = f"By `a1-studio report` at {commit()}; {machine}."
-    write_whole(config.out, page(tables, facts), parents=True)
+    facts = _facts(config.tables, tables)
+    text = page(tables, facts)
+    if html:
+        return _as_html(config, facts, {config.out.with_suffix(".md"): text})
+    write_whole(config.out, text, parents=True)
     return {"page": str(config.out), "tables": list(tables)}
+
+
+def _as_html(config: Report, facts: str, pages: dict[Path, str]) -> dict[str, Any]:
+    from studio.evaluation.report_html import Content, write_report
+
+    pictures = {caption: package_folder("models") / name for caption, name in PICTURES.items()}
+    content = Content(
+        facts=facts,
+        pages=pages,
+        pictures=pictures if config.committed else {},
+        sessions=config.sessions,
+        replays=config.replays,
+    )
+    return write_report(config.out, content)
+
+
+def _facts(folder: Path, tables: dict[str, Rows]) -> str:
+    """Commit, machine, seeds, and the hours of those tables that `evaluate all` has made."""
+    how = [made_how(folder, name) for name in tables]
+    machine = next((f"{about['cpu']}, " for about in how if "cpu" in about), "")
+    seeds = sorted({str(row["seed"]) for rows in tables.values() for row in rows if "seed" in row})
+    seconds = sum(about.get("seconds", 0.0) for about in how)
+    hours = f"; {seconds / 3600.0:.1f} hours" if seconds else ""
+    where = f"{machine}{os.cpu_count()} cores, {platform.machine()}"
+    seeded = f"; seeds {', '.join(seeds)}" if seeds else ""
+    return f"By `a1-studio report` at {commit()}; {where}{seeded}{hours}."
 
 
 def load(folder: Path) -> dict[str, Rows]:
