@@ -157,6 +157,7 @@ def test_of_a_trace_the_tasks_of_a_page_s_main_thread_count_and_no_others():
     assert bench_browser.main_thread_ms(events) == [1.5]
 
 
+@pytest.mark.long
 @pytest.mark.browser
 def test_the_page_is_measured_as_it_starts_and_draws(monkeypatch):
     monkeypatch.setattr(bench_page, "WARM_UP", 1.0)
@@ -212,6 +213,7 @@ def test_training_s_growth_is_measured_by_the_same_number_of_looks_at_each_pair(
     assert np.isfinite(growth["exponent"])
 
 
+@pytest.mark.long
 @pytest.mark.browser
 def test_who_sees_only_the_screen_drives_with_one_click_and_trains_with_two():
     figures = bench_journeys.journeys(("keyboard", "clip", "mapper"))

@@ -15,6 +15,7 @@ def test_without_a_browser_the_row_says_what_to_install(monkeypatch):
     assert "install chromium" in row["why"]
 
 
+@pytest.mark.long
 @pytest.mark.browser
 @pytest.mark.timeout(600)
 def test_each_section_of_a_frame_s_way_has_its_percentiles():

@@ -20,6 +20,7 @@ MEANT = "!document.querySelector('#coach-actions').classList.contains('unmeant')
 PAIRS = "[...document.querySelectorAll('#train-pairs li')].map((li) => li.textContent)"
 
 
+@pytest.mark.long
 def test_a_click_that_comes_late_skips_nothing_and_what_is_not_trained_is_said(browsing, served):
     with browsing.page(served, 1100, 700, reduced_motion="reduce") as page:
         drawn(page)

@@ -111,6 +111,7 @@ BESIDE = """() => {
 """How much of the room over STOP the view has; how many dialogs and keys of the pad reach below."""
 
 
+@pytest.mark.long
 def test_held_sideways_the_view_stays_beside_whatever_is_scrolled(browsing, served):
     # A server of its own: there this page drives.
     with browsing.page(served, 844, 390, has_touch=True, is_mobile=True) as page:
@@ -136,6 +137,7 @@ def test_held_sideways_the_view_stays_beside_whatever_is_scrolled(browsing, serv
 LOW = ((1280, 800), (1280, 500), (1100, 520), (970, 700))
 
 
+@pytest.mark.long
 def test_the_robots_eye_lies_over_nothing_in_low_windows(page, narrow):
     page.set_viewport_size({"width": 1280, "height": 500})
     click(page, "#besides [data-besides=eye]")
@@ -148,6 +150,7 @@ def test_the_robots_eye_lies_over_nothing_in_low_windows(page, narrow):
     click(page, "#besides [data-besides=eye]")
 
 
+@pytest.mark.long
 def test_nothing_lies_over_anything_on_a_phone_collecting_and_under_review(page, narrow):
     page.set_viewport_size({"width": 390, "height": 844})
     click(page, '#mode [data-mode="collect"]')

@@ -11,6 +11,7 @@ SAYS = "document.querySelector('#chip-robot b').textContent"
 CAPTION = "document.querySelector('.caption[data-figure=robot] b').textContent"
 
 
+@pytest.mark.long
 def test_a_robot_behind_a_link_is_named_and_its_state_is_said(browsing, tmp_path):
     body, port = robot()
     served = Served(tmp_path, "--source", "operator:crouch", "--robot", f"udp:127.0.0.1:{port}")
