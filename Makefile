@@ -88,6 +88,7 @@ bench: setup
 # The README's pictures of the page, as it is now: minutes.
 pictures: setup browser
 	$(BIN)/python tests/web/pictures.py
+	$(BIN)/python tests/web/scene_pictures.py
 
 clean:
 	rm -rf $(VENV) $(WEB)/cache $(WEB)/vendor $(WEB)/node_modules build dist *.egg-info

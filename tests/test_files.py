@@ -168,7 +168,10 @@ NOT_DECIDING = (
 test below: no number), how a file is checked, how values are summed up."""
 OF_TICK = ("metrics.py", "takes/tick.py")
 """How a tick is written down and judged, not what comes of it."""
-SCENE_OPERATOR = ("evaluation/scene_operator", "evaluation/scene_plays", "evaluation/scene_views")
+SCENE_OPERATOR = (
+    "evaluation/scene_operator", "evaluation/scene_plays", "evaluation/scene_views",
+    "evaluation/scene_ways",
+)  # fmt: skip
 
 
 @pytest.mark.parametrize(

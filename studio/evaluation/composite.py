@@ -44,7 +44,7 @@ _FLOW = (
     "control", "human", "mocap", "reference", "retarget", "robot", "scenes", "sim", "synthetic",
     "geometry", "rhythm", "timing", "metrics", "puppeteer", "sources", "takes/record", "takes/tick",
     "link/link", "link/sim", "evaluation/composite", "evaluation/scene_operator",
-    "evaluation/scene_plays", "evaluation/scene_views",
+    "evaluation/scene_plays", "evaluation/scene_views", "evaluation/scene_ways",
 )  # fmt: skip
 """What a run depends on, beside the models."""
 

@@ -43,7 +43,7 @@ _FLOW = (
     "control", "human", "link", "mocap", "reference", "retarget", "robot", "scenes", "sim",
     "synthetic", "geometry", "rhythm", "timing", "metrics", "puppeteer", "evaluation/behind",
     "evaluation/composite", "evaluation/link", "evaluation/scene_operator",
-    "evaluation/scene_plays", "evaluation/scene_views",
+    "evaluation/scene_plays", "evaluation/scene_views", "evaluation/scene_ways",
 )  # fmt: skip
 
 

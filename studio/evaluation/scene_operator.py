@@ -35,6 +35,12 @@ after a turn in vain; first, where it is too near to be seen."""
 TURN_S, ON_S, TOO_NEAR = 25.0, 5.0, 1.0
 """s of a turn, s of walking on, m."""
 
+STARTS_S = 2.0
+"""s of a march until the robot walks. A trunk that is twisted before turns the standing robot, and
+back as it goes; a few fell over it. So turn first when it walks."""
+STALLED_S, STALLED_M, STALLED_RAD_S = 4.0, 0.02, 0.05
+"""s of a march after which a robot that moves and turns by less in a second has stopped."""
+
 _LOOKS_S = 1.0
 """s over which a turn is seen: a stride sways the trunk."""
 
@@ -133,6 +139,8 @@ class ScriptedOperator:
         self._reach = np.zeros(2)
         self.meant = Intent()
         self._looking: float | None = None
+        self._marched, self._straight = 0.0, 0.0
+        self._bases: deque[Array] = deque(maxlen=round(_LOOKS_S / CONTROL_DT) + 1)
         self.sight: Sight
 
     def mean(self, sight: Sight) -> Intent:
@@ -142,6 +150,7 @@ class ScriptedOperator:
             self._step = sight.step
             self._meaning = self._plays[sight.step](self) if sight.step else None
         meant = Intent() if self._meaning is None else self._next(self._meaning, sight)
+        meant = self._untwisted(meant)
         most = ARM_RATE * CONTROL_DT
         self._reach = self._reach + np.clip(meant.reach - self._reach, -most, most)
         self.meant = replace(meant, reach=self._reach)
@@ -159,6 +168,21 @@ class ScriptedOperator:
         if intent is None and any([self.doubt(name) for name in needs(play)]):
             self._meaning = play(self)
         return intent or Intent()
+
+    def _untwisted(self, meant: Intent) -> Intent:
+        """Whoever sees the robot stop though they march, for a twist can look like standing, first
+        marches straight on until it walks again."""
+        self._bases.append(self.sight.base[:2])
+        self._marched = self._marched + CONTROL_DT if meant.state == "walk" else 0.0
+        way = float(np.linalg.norm(self._bases[-1] - self._bases[0]))
+        if (
+            self._marched > STALLED_S
+            and way < STALLED_M
+            and abs(self.sight.turning) < STALLED_RAD_S
+        ):
+            self._marched, self._straight = 0.0, STARTS_S
+        self._straight -= CONTROL_DT
+        return replace(meant, turn=0.0) if self._straight > 0.0 else meant
 
     def _look_for(self, where: Array) -> Intent:
         """The next period of looking for something that should have been there, (2,) m."""

@@ -188,7 +188,7 @@ def test_whoever_turned_in_vain_or_stands_too_near_walks_on() -> None:
         """Whether they turn, a period each."""
         operator = ScriptedOperator(PLAYS["push"])
         lost = {"box": np.array(where), "mark": np.zeros(2)}
-        sight = Sight(step="walk", base=np.zeros(3), yaw=0.0, turning=0.0, pos={}, lost=lost)
+        sight = Sight(step="walk", base=np.zeros(3), yaw=0.0, turning=0.2, pos={}, lost=lost)
         meant = [operator.mean(sight) for _ in range(round((TURN_S + 10.0) / CONTROL_DT))]
         assert {np.sign(intent.turn) for intent in meant} == {0.0, np.sign(where[1])}
         return [intent.turn != 0.0 for intent in meant]
