@@ -11,7 +11,8 @@ from mkdocs.structure.files import File, Files
 REPOSITORY = Path(__file__).resolve().parents[1]
 SHOWN = (
     "*.md", "CITATION.cff", "LICENSE", "docs/**/*.md", "docs/*.py", "docs/*.css", "models/**/*.md",
-    "models/**/*.png", "models/policy/onnx_runner.py", "sessions/*.md", "web_assets/screenshots/*",
+    "models/**/*.png", "models/report/*", "models/policy/onnx_runner.py", "sessions/*.md",
+    "web_assets/screenshots/*",
 )  # fmt: skip
 
 

@@ -34,6 +34,7 @@ SMOKE: dict[str, dict[str, Any]] = {
     **dict.fromkeys(("tilt", "walk", "reach"), ONE),
     **dict.fromkeys(("styles", "travel", "response", "hands"), ONE),
     "workspace": {"episodes": 2},
+    "figures": {"episodes": 1, "tasks": ("tilt",), "seconds": 1.0},
     "composite": {"episodes": 1, "scenes": ("greeting",), "controllers": ("policy",)},
     "pairs": {"episodes": 1, "train_seconds": 20.0, "steps": 20, "sizes": (100,)},
     "baselines": {

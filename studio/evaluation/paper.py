@@ -173,6 +173,11 @@ CLAIMS: tuple[Claim, ...] = (
         ),
     ),
     Claim(
+        what="Pictures of the tasks: person, reference, simulated robot; the real robot",
+        paper="pictures",
+        beyond="below (a1-studio evaluate figures); the real robot is out of reach",
+    ),
+    Claim(
         what="Walking beside a regular controller",
         paper="less stable, by words",
         beyond="not measured: no velocity policy to compare with was trained",

@@ -34,6 +34,7 @@ TABLES = {
     "response": "how late the robot does what a person does, stage by stage",
     "latency": "how late a camera's frame is, section by section, in a browser (needs chromium)",
     "hands": "how high a paw comes by how high the wrist is",
+    "figures": "strips of person, reference and robot for each task, as pictures",
     "pairs": "the mapper beside simpler ones, by number of pairs",
     "baselines": "the mapper beside the paper's rivals: errors, time, pairs, what the policy makes",
     "people": "real clips that nothing was trained on (needs --clips)",

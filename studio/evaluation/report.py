@@ -74,6 +74,17 @@ PICTURES = {
         "policy/workspace.png"
     ),
     "Ranges of the synthetic people beside real clips": "operator_statistics.png",
+    **{
+        f"A person, what the robot should do, and what it does in physics: {words}": (
+            f"report/strip_{task}_0.png"
+        )
+        for task, words in (
+            ("tilt", "tilting"),
+            ("manipulate_right", "reaching with a paw"),
+            ("walk", "walking"),
+            ("sit_manipulate", "reaching with both, sitting"),
+        )
+    },
 }
 
 

@@ -1,6 +1,7 @@
 r"""The report as one HTML page that needs no other file: pages, pictures, replays; and as JSON.
 
     a1-studio report runs/evaluate/report.html            # of the tables that `evaluate` has kept
+    a1-studio evaluate figures --tasks tilt manipulate_right walk sit_manipulate --out models/report
     a1-studio report models/report/index.html --committed \
         --replays example-tilt-and-reach example-cmu-march # of the pages in models/, as they stand
 """

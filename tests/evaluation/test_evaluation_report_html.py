@@ -10,7 +10,7 @@ import pytest
 from studio.errors import StudioError
 from studio.evaluation.markdown_tables import Shown, tables_of
 from studio.evaluation.paper import CLAIMS, NOT_MEASURED, beside
-from studio.evaluation.report import COMMITTED, Report, make
+from studio.evaluation.report import COMMITTED, PICTURES, Report, make
 from studio.paths import package_folder
 
 REPO = Path(__file__).parents[2]
@@ -66,7 +66,7 @@ def test_the_page_needs_no_other_file(tmp_path: Path) -> None:
     assert all(
         x.startswith("data:image/png;base64,") for x in re.findall(r'<img[^>]* src="([^"]*)', text)
     )
-    assert text.count("<img ") == 3
+    assert text.count("<img ") == len(PICTURES)
     assert text.count("srcdoc=") == 1
     assert "<link" not in text
     assert not re.search(r"<(script|iframe)[^>]* src=", text)
