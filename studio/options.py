@@ -112,7 +112,7 @@ class DriveConfig(RobotOptions):
     speed and turn that it says in the gait generator's own (generated)."""
     max_joint_speed: float = PAPER_JOINT_SPEED_DEG
     """Degrees a second that a standing or sitting reference's joints may reach, 60 to 480: the
-    paper's 120 is late and steady (`evaluate response`)."""
+    paper's 120 is late and steady (`evaluate response`); on a slope it is never more than that."""
     sessions: Path = Path("sessions")
     """Folder of recorded takes."""
     record: bool = False

@@ -16,13 +16,16 @@ from studio.reference.stances import NEUTRAL, quickness
 from studio.retarget.experts import EXPERTS
 from studio.retarget.mapper import RATES, Mapped
 from studio.retarget.pacing import Turning
-from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
+from studio.retarget.settings import RetargetSettings, cap_stride, on_slope, shape_tilt
 from studio.retarget.support_margin import SupportMargin
 from studio.robot import a1
 from studio.robot.pose import ReferencePose, RobotPose
 
 Array = NDArray[np.float64]
 
+STEADY = 1.5
+"""Times its expert's `root_speed` that the trunk is carried over its feet, however quick the joints
+may be: at twice that (.4 m/s) it went on, and tipped over the other side of a raised paw."""
 AS_PLANNED = ContactConfig()
 """For feet that are where they are planned to be."""
 
@@ -86,13 +89,14 @@ class FootholdPlanner:
         wanted = np.array(scalars.mul(scalars.yaw(self._yaw), quat_s.tolist()))
         last, lock = self.last, self._lock
         lock.config = spec.consistency if felt else AS_PLANNED
-        quick = quickness(self.state, self.settings.joint_speed)
+        quick = quickness(self.state, on_slope(self.settings.joint_speed, self.slope))
         quat, turned = limit_turn(wanted, last.base_quat, quick * spec.trunk_speed, dt)
         if self.state == "stand":
             joint_pos = self._support.step(joint_pos, quat, contact, dt, self.slope)
         elif self.state == "sit":
             joint_pos = lean_uphill(joint_pos, quat, self.slope)
-        asked = lock.step(joint_pos, quat, contact, dt, drift, quick * spec.root_speed)
+        root_speed = min(quick, STEADY) * spec.root_speed
+        asked = lock.step(joint_pos, quat, contact, dt, drift, root_speed)
         joint_pos, clipped = limit_speed(asked, last.joint_pos, quick * spec.speed_limit, dt)
         if clipped:
             lock.recheck(joint_pos, quat)

@@ -17,8 +17,8 @@ Array = NDArray[np.float64]
 MAX_TILT = float(FULL_TILT)
 """The trunk is never tilted further from its neutral than this: the paper's range, and as far as
 standing legs reach. People twist by 100 degrees; mappers then say 48, and feet are torn off."""
-
-
+LEVEL, STEEP = 0.03, 0.08
+"""m a metre: slopes of 1.7 and 4.6 degrees."""
 LIMITS: dict[str, tuple[float, float]] = {
     "tilt_gain": (0.0, 2.0),
     "dead_zone": (0.0, 0.5),
@@ -32,8 +32,8 @@ LIMITS: dict[str, tuple[float, float]] = {
 class RetargetSettings:
     """tilt_gain: times the trunk's tilt. dead_zone: rad of tilt that is ignored, so that a person
     who sways does not rock the robot. speed_cap: m/s, walking is slowed to this by shorter strides.
-    joint_speed: rad/s that a standing or sitting reference's joints may reach, its trunk in
-    proportion; a trot has limits of its own (`stances.JOINT_SPEED`).
+    joint_speed: rad/s that a standing or sitting reference's joints may reach on a level floor, its
+    trunk in proportion (`on_slope`); a trot has limits of its own (`stances.JOINT_SPEED`).
     """
 
     tilt_gain: float = 1.0
@@ -68,6 +68,16 @@ def joint_speed(degrees_a_second: float) -> float:
             f"not {degrees_a_second:g}"
         )
     return math.radians(degrees_a_second)
+
+
+def on_slope(joint_speed: float, slope: Array) -> float:
+    """rad/s that is left of `joint_speed` where the floor rises by `slope` (2,) m a metre.
+
+    Up to LEVEL all of it, from STEEP on no more than the paper's: a paw that is up before the
+    trunk is over the other feet tips the robot over there.
+    """
+    share = min(max((float(np.hypot(*slope)) - LEVEL) / (STEEP - LEVEL), 0.0), 1.0)
+    return joint_speed + share * (min(joint_speed, JOINT_SPEED["stand"]) - joint_speed)
 
 
 def shape_tilt(quat: Array, neutral: Array, settings: RetargetSettings) -> Array:

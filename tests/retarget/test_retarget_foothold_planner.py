@@ -6,15 +6,23 @@ import numpy as np
 import pytest
 
 from studio import geometry
-from studio.reference.stances import NEUTRAL, tilted
+from studio.reference.stances import JOINT_SPEED, NEUTRAL, quickness, tilted
 from studio.reference.tasks_walk import MAX_TURN
 from studio.retarget.experts import EXPERTS
 from studio.retarget.foothold_planner import FootholdPlanner
 from studio.retarget.mapper import NUM_RATES, RATES, Mapped
-from studio.retarget.settings import RetargetSettings, cap_stride, shape_tilt
+from studio.retarget.settings import (
+    LEVEL,
+    STEEP,
+    RetargetSettings,
+    cap_stride,
+    on_slope,
+    shape_tilt,
+)
 from studio.robot import a1, kinematics
 
 DT = a1.CONTROL_DT
+QUICK = float(np.radians(300.0))
 
 
 def resting(state: str, **changes: np.ndarray) -> Mapped:
@@ -41,11 +49,19 @@ def test_at_rest_every_state_stays_in_its_neutral_pose(state: str):
     assert planner.slips == 0
 
 
+@pytest.mark.parametrize("slope", [0.0, 0.1])
 @pytest.mark.parametrize("state", list(EXPERTS))
-def test_no_joint_is_faster_than_its_expert_allows_whatever_the_network_says(state: str):
+def test_no_joint_is_faster_than_allowed_on_its_floor_whatever_the_network_says(
+    state: str, slope: float
+):
     rng = np.random.default_rng(0)
-    planner = FootholdPlanner()
+    planner = FootholdPlanner(RetargetSettings(joint_speed=QUICK))
     planner.start(state)  # type: ignore[arg-type]
+    planner.slope = np.array([0.6 * slope, -0.8 * slope])
+    limit = EXPERTS[state].speed_limit  # type: ignore[index]
+    if slope == 0.0:
+        limit *= quickness(state, QUICK)  # type: ignore[arg-type]
+    fastest = 0.0
     last = planner.last.joint_pos
     cut = 0
     for _ in range(60):
@@ -57,12 +73,20 @@ def test_no_joint_is_faster_than_its_expert_allows_whatever_the_network_says(sta
         )
         pose, clipped = planner.step(wild, DT)
         speed = np.abs(pose.joint_pos - last).max() / DT
-        assert speed <= EXPERTS[state].speed_limit + 1e-9  # type: ignore[index]
+        fastest = max(fastest, speed)
         assert np.all(pose.joint_pos >= a1.JOINT_LOWER - 1e-9)
         assert np.all(pose.joint_pos <= a1.JOINT_UPPER + 1e-9)
         last = pose.joint_pos
         cut += clipped
     assert cut > 30
+    assert 0.99 * limit < fastest <= limit + 1e-9
+
+
+def test_the_steeper_the_floor_the_slower_a_quick_reference_and_a_slow_one_stays():
+    paper = JOINT_SPEED["stand"]
+    speeds = [on_slope(QUICK, np.array([0.0, -rise])) for rise in (0.0, LEVEL, 0.055, STEEP, 0.2)]
+    assert speeds == pytest.approx([QUICK, QUICK, 0.5 * (QUICK + paper), paper, paper])
+    assert on_slope(0.5 * paper, np.array([0.1, 0.1])) == 0.5 * paper
 
 
 def test_a_tilt_leaves_the_standing_feet_where_they_are():
